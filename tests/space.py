@@ -13,13 +13,14 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.spatial.configuration import advance
 from lcpflex.kinematics.spatial.relative import KINDS
-from lcpflex.model.arrays import Contacts, Offsets, empty, frozen
+from lcpflex.model.arrays import Offsets, frozen
 from lcpflex.model.spatial import (
     SpatialBodies,
     SpatialJoints,
     SpatialLoads,
     SpatialModel,
     SpatialPointTable,
+    no_spatial_contacts,
 )
 
 __all__ = ["MODES", "Line", "Moving", "bodies_of", "derivatives", "model_of", "moving"]
@@ -113,7 +114,7 @@ def model_of(
         force_point=frozen([point for _, point, _ in forces], np.int64),
         force_signal=frozen(driven, np.int64, columns=3),
     )
-    return SpatialModel(bodies_of(modes), points.compile(), signals.compile()[0], joints, loads, empty(Contacts))
+    return SpatialModel(bodies_of(modes), points.compile(), signals.compile()[0], joints, loads, no_spatial_contacts())
 
 
 def moving(seed: int, modes: Sequence[int] = MODES, grounded: int = -1, far: float = 1.0, **parts: Any) -> Moving:

@@ -10,13 +10,14 @@ import numpy as np
 from lcpflex.bodies.spatial.body import SpatialBody
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
-from lcpflex.model.arrays import Contacts, Signals, empty, frozen
+from lcpflex.model.arrays import Signals, empty, frozen
 from lcpflex.model.spatial import (
     SpatialBodies,
     SpatialJoints,
     SpatialLoads,
     SpatialModel,
     SpatialPointTable,
+    no_spatial_contacts,
 )
 from lcpflex.steppers.system import System
 
@@ -145,7 +146,7 @@ def spatial_model(bodies: list[MassBody], gravity: tuple[float, float, float] = 
             force_point=frozen([], whole),
             force_signal=frozen(np.zeros((0, 3)), whole),
         ),
-        contacts=empty(Contacts),
+        contacts=no_spatial_contacts(),
     )
 
 

@@ -25,7 +25,7 @@ from lcpflex.kinematics.points import (
 from lcpflex.model.arrays import Model
 
 
-@in_space("lcpflex.contact.spatial.detection")
+@in_space("lcpflex.contact.spatial.pairs")
 @kernel
 def contact_rows(
     model: Model, q: FloatArray, table: ContactTable, k: int, normal_rows: FloatArray, tangent_rows: FloatArray
@@ -46,7 +46,7 @@ def contact_rows(
         feature_rows(model, q, table, k, normal_rows[1], tangent_rows[1])
 
 
-@in_space("lcpflex.contact.spatial.detection")
+@in_space("lcpflex.contact.spatial.pairs")
 @kernel
 def gap_rate(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k: int) -> float:
     """gdot_N [m/s] of entry k."""
@@ -55,7 +55,7 @@ def gap_rate(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k:
     return table.normal[k, 0] * (vx - wx) + table.normal[k, 1] * (vy - wy)
 
 
-@in_space("lcpflex.contact.spatial.detection")
+@in_space("lcpflex.contact.spatial.pairs")
 @kernel
 def contact_point(model: Model, q: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
     """Where entry k touches: the point of the node's circle nearest to the feature [m], world axes."""

@@ -12,7 +12,7 @@ import numpy as np
 from lcpflex.bodies.surface import NO_NODE, RANK, Kind
 from lcpflex.jit.kernel import IntArray, kernel
 from lcpflex.jit.struct import allocate, array, put_array, struct
-from lcpflex.model.arrays import Contacts, Model, frozen
+from lcpflex.model.arrays import Contacts, Model, empty, frozen
 
 __all__ = [
     "CHAIN",
@@ -25,6 +25,7 @@ __all__ = [
     "law_of_pair",
     "make_room",
     "may_meet",
+    "no_pairs",
     "new_law",
     "rule_pairs",
 ]
@@ -70,6 +71,11 @@ def rule_pairs(contacts: Contacts) -> RulePairs:
         "laws": laws,
     }
     return allocate(RulePairs, sizes, pair=np.full((laws, 2), -1, dtype=np.int64), n_laws=len(contacts.friction))
+
+
+def no_pairs() -> RulePairs:
+    """Of a table without a rule."""
+    return rule_pairs(empty(Contacts))
 
 
 def give_laws(contacts: Contacts, laws: int) -> None:

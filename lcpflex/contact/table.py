@@ -7,10 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lcpflex.contact.rule_pairs import RulePairs, rule_pairs
+from lcpflex.contact.rule_pairs import RulePairs, no_pairs
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
-from lcpflex.model.arrays import Contacts, empty
 
 __all__ = ["ALL", "COMPLIANT", "RIGID", "ContactTable", "contact_table", "entry_of"]
 
@@ -63,7 +62,7 @@ def contact_table(
         sizes,
         compliant=np.array(compliant, np.int64),
         collects=collects,
-        pairs=rule_pairs(empty(Contacts)) if pairs is None else pairs,
+        pairs=no_pairs() if pairs is None else pairs,
         touching=touching,
     )
 

@@ -62,16 +62,23 @@ def farthest(contacts: Contacts, points: Points) -> float:
     """Largest distance of a point of a surface from the frame of its body [m]."""
     if not len(contacts.surface_body):
         return 0.0
-    nodes = np.hypot(*points.place[contacts.node_point].T) + contacts.node_radius
-    features = np.hypot(*points.place[contacts.feature_point].reshape(-1, 2).T)
+    nodes = _lengths(points.place[contacts.node_point]) + contacts.node_radius
+    features = _lengths(points.place[contacts.feature_point].reshape(-1, points.place.shape[1]))
     moving = features[points.body[contacts.feature_point].reshape(-1) >= 0]
     radii = np.abs(contacts.feature_radius)
     mobile = nodes[points.body[contacts.node_point] >= 0]
     return float(max(mobile.max(initial=0.0), moving.max(initial=0.0) + radii.max(initial=0.0)))
 
 
+def _lengths(places: FloatArray) -> FloatArray:
+    """Of places (k, 2) or (k, 3)."""
+    return np.asarray(np.hypot(*places.T) if places.shape[1] == 2 else np.linalg.norm(places, axis=1))
+
+
 def _feature_depths(contacts: Contacts) -> FloatArray:
     """(features,) how deep below its middle a node belongs to a feature: no bound below vertices of chains."""
+    if contacts.feature_depth.ndim == 1:  # in space they are told of each feature
+        return np.asarray(contacts.feature_depth)
     depths = contacts.feature_depth[:, 1].astype(float)
     discs = (contacts.feature_kind == ARC) & (contacts.feature_radius > 0.0)
     depths[discs] = np.minimum(depths[discs], contacts.feature_radius[discs])

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from lcpflex.contact.detection import COMPLIANT, ContactTable, contact_table
+from lcpflex.contact.spatial.table import spatial_contact_table
 from lcpflex.dynamics.inertia import Arrow
 from lcpflex.dynamics.joint_factor import JointFactor, JointPattern, joint_factor, no_joints
 from lcpflex.force_laws.history import ContactMemory
 from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.jit.struct import allocate, array, spatial, struct
 from lcpflex.model.arrays import Contacts
 
-__all__ = ["CompliantContacts", "compliant_contacts", "sufficient_capacity"]
+__all__ = ["CompliantContacts", "SpatialCompliantContacts", "compliant_contacts", "sufficient_capacity"]
 
 SPARE = 64  # entries of the table beyond those that the nodes are expected to need
 
@@ -24,7 +26,7 @@ SPARE = 64  # entries of the table beyond those that the nodes are expected to n
 class CompliantContacts:
     """Compliant contacts at the state last asked for, their rows and forces, and their history; empty where none is.
 
-    Rows are those of joints, then of normals, then of tangents where mu > 0, then one scratch row, as in a workspace.
+    Rows are those of joints, then of normals, then of tangents where mu > 0, then scratch rows, as in a workspace.
     """
 
     table: ContactTable  # of compliant contacts alone
@@ -36,13 +38,13 @@ class CompliantContacts:
     solved: FloatArray = array("rows", 2, "width")  # M^-1 rows
     row_body: IntArray  # (rows, 2)
     mu: FloatArray = array("contacts")
-    tangent: IntArray = array("contacts")  # the contact that each tangential row belongs to
+    tangent: IntArray = array("tangents")  # the contact that each tangential row belongs to
     bias: FloatArray = array(2, "joints")  # scratch
     joints: JointFactor
     rate: FloatArray = array("contacts")  # of the gaps [m/s]
-    slip: FloatArray = array("contacts")  # [m/s]
+    slip: FloatArray = array("tangents")  # [m/s]
     inverse: FloatArray = array("contacts")  # G_NN where a contact begins [1/kg]
-    p: FloatArray = array("contacts", 2)  # normal and tangential force [N]
+    p: FloatArray = array("contacts", "forces")  # normal and tangential force, of which there are two in space [N]
     elastic: FloatArray = array("contacts")  # part of the normal force that stores energy [N]
     sticks: IntArray = array("contacts")  # 1: slips slower than the slip speed of the law
     last: FloatArray = array("contacts", 3)  # key, friction over normal force, sticking in the last step
@@ -61,6 +63,9 @@ class CompliantContacts:
     n_before: int  # entries of ``before``
 
 
+SpatialCompliantContacts = spatial(CompliantContacts)
+
+
 def compliant_contacts(
     laws: Sequence[LawRow | None],
     history: ContactMemory,
@@ -70,17 +75,22 @@ def compliant_contacts(
     factors: Arrow,
     dense: FloatArray,
     capacity: int,
+    in_space: bool = False,
 ) -> CompliantContacts:
     """Allocate for ``capacity`` of the declared contacts with these ``laws``; None: rigid."""
     compliant = [int(law is not None) for law in laws]
     ndof, width = (int(dof[-1]), int(np.max(np.diff(dof), initial=1))) if any(compliant) else (0, 1)
     joints = joint_factor(pattern if any(compliant) else no_joints(len(dof) - 1), ndof, 0)
     n = len(joints.answer)
-    sizes = {"joints": n, "rows": n + 2 * capacity + 1, "width": width, "contacts": capacity}
+    each = 3 if in_space else 2  # rows of a contact
+    sizes = {"joints": n, "rows": n + each * (capacity + 1) - 1, "width": width, "contacts": capacity}
+    sizes |= {"tangents": (each - 1) * capacity, "forces": each}
+    make_table = spatial_contact_table if in_space else contact_table
+    table: Any = make_table(capacity, n_surfaces if any(compliant) else 0, compliant, COMPLIANT)
     return allocate(
-        CompliantContacts,
+        SpatialCompliantContacts if in_space else CompliantContacts,
         sizes | {"laws": len(laws), "ndof": ndof},
-        table=contact_table(capacity, n_surfaces if any(compliant) else 0, compliant, COMPLIANT),
+        table=table,
         history=history,
         dof=dof,
         arrow=factors,

@@ -12,11 +12,13 @@ from lcpflex.dynamics.islands import find_islands, one_island
 from lcpflex.dynamics.joint_response import condense, couple, factorise_joints, solve_joints
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.solvers.contact.index_sets import STICKING, sliding_sign
 
-__all__ = ["describe_contacts", "fits", "lay_as_one", "lay_contacts", "pose_island", "take_forces"]
+__all__ = ["describe_contacts", "factor_joints", "fits", "lay_as_one", "lay_contacts", "pose_island", "take_forces"]
 
 
+@in_space("lcpflex.dynamics.spatial.contact_problem")
 @kernel
 def lay_contacts(work: Workspace) -> None:
     """Begin with the contacts of the rows laid: which islands they make, under Coulomb's law.

@@ -7,17 +7,19 @@ from typing import Any
 import numpy as np
 
 from lcpflex.contact.detection import ContactTable
+from lcpflex.contact.spatial.table import SpatialContactTable
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.inertia import Arrow
 from lcpflex.dynamics.islands import Islands, islands
 from lcpflex.dynamics.joint_factor import JointFactor, JointPattern, joint_factor
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.jit.struct import allocate, array, spatial, struct
+from lcpflex.solvers.contact.cones.memory import cone_data, cone_memory, remembered_cones
 from lcpflex.solvers.contact.large.memory import BodyContacts, LargeMemory, grown, large_memory
 from lcpflex.solvers.contact.memory import ContactData, Remembered, SolverMemory, contact_data, prepare
 from lcpflex.solvers.contact.recollection import remembered
 
-__all__ = ["DENSE", "DOUBTFUL_CONTACTS", "Rows", "Workspace", "workspace"]
+__all__ = ["DENSE", "DOUBTFUL_CONTACTS", "Rows", "SpatialWorkspace", "Workspace", "workspace"]
 
 NO_LIMIT = 2**40
 DENSE = 20  # contacts of the largest island that is solved densely where another way is known
@@ -28,9 +30,10 @@ DOUBTFUL_KINDS = 16
 
 @struct
 class Workspace:
-    """Memory for a number of contacts; pairs: twice as many; dense: twice those that one problem may have.
+    """Memory for a number of contacts; tangents: one of each, two in space; pairs: contacts and tangents.
 
-    rows = joint rows + pairs + 1 constraint rows, the last one scratch.
+    rows = joint rows + pairs + constraint rows of scratch at the end, one for each tangent of a contact. dense: as
+    pairs, of the largest problem.
     """
 
     dof: IntArray  # (nb + 1,)
@@ -60,8 +63,8 @@ class Workspace:
     free: FloatArray = array("rows")
     terms: FloatArray = array("pairs")  # of each contact row, see ContactData
     mu: FloatArray = array("contacts")
-    tangent: IntArray = array("contacts")  # the contact that each tangential row belongs to
-    tangent_of: IntArray = array("contacts")  # tangential row of each contact, -1: none
+    tangent: IntArray = array("tangents")  # the contact that each tangential row belongs to
+    tangent_of: IntArray = array("contacts")  # tangential row of each contact, the first one in space; -1: none
     mode: IntArray = array("contacts")  # where ``on_sets`` counts; see lcpflex.solvers.contact.index_sets
     least: FloatArray = array("contacts")  # normal forces, where ``shifted`` counts
     counted: FloatArray = array("contacts")  # normal forces that ``free`` holds already, where ``lifted`` counts
@@ -86,7 +89,7 @@ class Workspace:
     aside: FloatArray = array("white", 3)  # impulses, right-hand sides and their terms kept while others are sought
     marked: IntArray = array("bodies")  # of the present large island
     normal: FloatArray = array("contacts")  # forces where contacts give way [N]
-    tangential: FloatArray = array("contacts")  # one for each tangential row
+    tangential: FloatArray = array("tangents")
     p: FloatArray = array("rows")  # impulses or forces of all rows
     recalled: FloatArray = array("joints")  # impulses of joint rows in the step before
     n_joint: int  # joint rows of this step
@@ -106,6 +109,7 @@ class Workspace:
     compliant: CompliantContacts  # beside the rigid contacts, in a table of their own
 
 
+SpatialWorkspace = spatial(Workspace)
 Rows = Workspace | CompliantContacts  # both hold a table, rows and factors, by the same names
 
 
@@ -126,21 +130,25 @@ def workspace(
     capacity = len(table.key)
     dof = compliant.dof
     ndof = int(dof[-1])
-    joints = joint_factor(pattern, ndof, 2 * capacity)
+    in_space = isinstance(table, SpatialContactTable)
+    each = 3 if in_space else 2  # rows of a contact
+    joints = joint_factor(pattern, ndof, each * capacity)
     n_joint = len(joints.answer)
     sizes = {
         "slots": n_external,
         "nq": nq,
         "ndof": ndof,
-        "rows": n_joint + 2 * capacity + 1,
+        "rows": n_joint + each * (capacity + 1) - 1,
         "width": int(np.max(np.diff(dof), initial=1)),
         "joints": n_joint,
         "contacts": capacity,
-        "pairs": 2 * capacity,
-        "dense": 2 * dense,
+        "tangents": (each - 1) * capacity,
+        "pairs": each * capacity,
+        "dense": each * dense,
         "bodies": len(dof) - 1,
     }
-    large = before is not None and max(before.largest, capacity // 2) > before.dense_limit  # twice what is needed
+    most = 0 if before is None or in_space else max(before.largest, capacity // 2)  # room is twice what is needed
+    large = before is not None and most > before.dense_limit
     sizes["white"] = sizes["rows"] if large else 0
     shared = {
         "white": np.zeros((sizes["white"], 2, sizes["width"])),
@@ -149,8 +157,17 @@ def workspace(
         "p": np.zeros(sizes["rows"]),
         "terms": np.zeros(sizes["pairs"]),
     }
+    known: Any = before.solver if before else None
+    recalled: Any = before.remembered if before else None
+    solving: dict[str, Any]
+    if in_space:
+        cones = {"problem": cone_data(dense), "solver": cone_memory(dense, known)}
+        solving = {**cones, "remembered": remembered_cones(capacity, recalled)}
+    else:
+        pairs = {"problem": contact_data(dense), "solver": prepare(dense, known)}
+        solving = {**pairs, "remembered": remembered(capacity, recalled)}
     return allocate(
-        Workspace,
+        SpatialWorkspace if in_space else Workspace,
         sizes,
         dof=dof,
         table=table,
@@ -158,9 +175,6 @@ def workspace(
         dense=compliant.dense,
         joints=joints,
         islands=islands(len(dof) - 1, capacity, n_joint),
-        problem=contact_data(dense),
-        solver=prepare(dense, before.solver if before else None),
-        remembered=remembered(capacity, before.remembered if before else None),
         large=_large(sizes, dof=dof, **shared),
         large_solver=_large_solver(sizes, before),
         dense_limit=before.dense_limit if before else NO_LIMIT,
@@ -168,6 +182,7 @@ def workspace(
         most=before.most if before else 0,
         largest=before.largest if before else 0,
         compliant=compliant,
+        **solving,
         **shared,
     )
 

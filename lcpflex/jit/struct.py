@@ -30,8 +30,8 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
-    "allocate", "array", "copy_parts", "lengthen", "numbers_of", "pack", "parts_of", "put_array", "shapes_of", "struct",
-    "with_parts",
+    "allocate", "array", "copy_parts", "lengthen", "numbers_of", "pack", "parts_of", "put_array", "shapes_of",
+    "spatial", "struct", "with_parts",
 ]  # fmt: skip
 
 T = TypeVar("T")
@@ -134,7 +134,7 @@ def struct(declared: type[T]) -> type[T]:
         given = {name: 0 for name, _ in numbers} | values
         if set(given) != set(annotations):
             raise TypeError(f"{declared.__name__} takes {sorted(annotations)}, not {sorted(given)}")
-        self._pack(declared.__name__, {name: given[name] for name in annotations})
+        self._pack(type(self).__name__, {name: given[name] for name in annotations})
 
     scope = {
         "__doc__": declared.__doc__,
@@ -147,6 +147,21 @@ def struct(declared: type[T]) -> type[T]:
         **{name: _number(place, kind) for place, (name, kind) in enumerate(numbers)},
     }
     return cast(type[T], type(declared.__name__, (Packed,), scope))
+
+
+def spatial(kind: type[T]) -> type[T]:
+    """Structs with the fields of ``kind`` that calls of :mod:`lcpflex.jit.leaf` take for those of space.
+
+    To be kept in the module of ``kind`` as Spatial and its name.
+    """
+    name = f"Spatial{kind.__name__}"
+    scope = {
+        "__module__": kind.__module__,
+        "__qualname__": name,
+        "__doc__": f"A :class:`{kind.__name__}` of space.",
+        "__annotations__": dict(kind.__annotations__),
+    }
+    return cast(type[T], type(name, (kind,), scope))
 
 
 def _number(place: int, kind: np.dtype[Any]) -> property:

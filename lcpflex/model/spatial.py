@@ -20,17 +20,19 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.model.arrays import Contacts, Signals, frozen
+from lcpflex.model.arrays import Signals, frozen
 
 __all__ = [
     "N_PLACE",
     "N_RIGID",
     "SpatialBodies",
+    "SpatialContacts",
     "SpatialJoints",
     "SpatialLoads",
     "SpatialModel",
     "SpatialPointTable",
     "SpatialPoints",
+    "no_spatial_contacts",
 ]
 
 N_PLACE = 7  # numbers that place a body as a rigid one, R and p; its modal coordinates come behind them
@@ -99,6 +101,77 @@ class SpatialLoads(NamedTuple):
     force_signal: IntArray  # (nf, 3) signals of the components
 
 
+class SpatialContacts(NamedTuple):
+    """Surfaces, their pairing, and the law of each declared contact. See :mod:`lcpflex.contact.spatial`.
+
+    A surface holds *nodes* (material points with a radius >= 0) and *features* (what touches: facets, edges, vertices
+    and spheres, planes, rims; the kinds are in :mod:`lcpflex.contact.spatial.kinds`).
+    """
+
+    # surfaces
+    surface_kind: IntArray  # (ns,)
+    surface_body: IntArray  # (ns,) -1: ground
+    surface_center: FloatArray  # (ns, 3) centre of the bounding sphere, body frame
+    surface_extent: FloatArray  # (ns,) its radius [m]; infinite for planes
+    surface_deflection: FloatArray  # (ns, largest mode count) greatest |Phi_k| over the surface
+    node_start: IntArray  # (ns + 1,) offsets into the nodes
+    node_point: IntArray  # (nodes,) material point
+    node_radius: FloatArray  # (nodes,) [m]
+    feature_start: IntArray  # (ns + 1,) offsets into the features
+    feature_kind: IntArray  # (features,)
+    feature_point: IntArray  # (features, 3) material points; those that a kind does not have repeat the first
+    feature_radius: FloatArray  # (features,) of edges and spheres; < 0: touched from inside [m]
+    feature_depth: FloatArray  # (features,) how deep below it a node belongs to it [m]; infinite for planes
+    feature_neighbour: IntArray  # (features, 3) of facets: edges opposite a, b, c; of edges: facets; -1: none
+    # passes: nodes of one surface, or its rims or edges, against features of another
+    pass_node: IntArray  # (passes,) surface
+    pass_feature: IntArray  # (passes,) surface
+    pass_law: IntArray  # (passes,) declared contact
+    # declared contacts
+    friction: FloatArray  # (laws,) mu
+    restitution: FloatArray  # (laws,) e_N
+    tangential_restitution: FloatArray  # (laws,) e_T
+    # the first surfaces, between which a rule holds, as in the plane; empty where none does
+    rule_rank: IntArray  # (surfaces of the rule,)
+    rule_law: IntArray  # (1,)
+    rule_pass: IntArray  # (1,)
+    barred_start: IntArray  # (surfaces of the rule + 1,)
+    barred: IntArray
+
+
+def no_spatial_contacts() -> SpatialContacts:
+    """Of a scene without contacts."""
+    none, few = frozen([], np.int64), frozen([0], np.int64)
+    real, three, threes = frozen([]), frozen([], columns=3), frozen([], np.int64, columns=3)
+    return SpatialContacts(
+        surface_kind=none,
+        surface_body=none,
+        surface_center=three,
+        surface_extent=real,
+        surface_deflection=frozen([], columns=1),
+        node_start=few,
+        node_point=none,
+        node_radius=real,
+        feature_start=few,
+        feature_kind=none,
+        feature_point=threes,
+        feature_radius=real,
+        feature_depth=real,
+        feature_neighbour=threes,
+        pass_node=none,
+        pass_feature=none,
+        pass_law=none,
+        friction=real,
+        restitution=real,
+        tangential_restitution=real,
+        rule_rank=none,
+        rule_law=none,
+        rule_pass=none,
+        barred_start=few,
+        barred=none,
+    )
+
+
 class SpatialModel(NamedTuple):
     """A compiled spatial scene."""
 
@@ -107,7 +180,7 @@ class SpatialModel(NamedTuple):
     signals: Signals
     joints: SpatialJoints
     loads: SpatialLoads
-    contacts: Contacts
+    contacts: SpatialContacts
 
 
 class SpatialPointTable:

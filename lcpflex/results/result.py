@@ -135,10 +135,11 @@ class Result:
         if self.compiled is not None and not self.contact_names:
             object.__setattr__(self, "contact_names", tuple(self.compiled.layout.contacts))
         m, nc = len(self.times), len(self.contact_names)
+        sums = 4 if self.force.shape[-1] == 4 else 2  # in space friction is a vector
         expected = {
             "q": (m, *self.q.shape[1:2]),
             "u": (m, *self.u.shape[1:2]),
-            **dict.fromkeys(("force", "impulse"), (m, nc, 2)),
+            **dict.fromkeys(("force", "impulse"), (m, nc, sums)),
             **dict.fromkeys(("state", "gap"), (m, nc)),
             **dict.fromkeys(("residual", "penetration", "joint_drift", "size"), (m,)),
         }

@@ -18,6 +18,7 @@ from lcpflex.dynamics.large_island import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.solvers.contact.compiled import solve_contacts
 from lcpflex.solvers.contact.large.fronts import lacks_room
 from lcpflex.solvers.contact.large.least import least_impulses
@@ -34,6 +35,7 @@ __all__ = ["shorten_forces", "solve_island", "solve_islands", "tell_island"]
 LAST_WORD = 128  # contacts of the largest island that is posed densely where another way has failed
 
 
+@in_space("lcpflex.steppers.spatial.island_problems")
 @kernel
 def solve_island(work: Workspace, i: int, tolerance: float, warm: bool, recorder: Recorder) -> int:
     """Forces of the contacts of island i to ``work.p``; DONE, GROW, or SOLVER_FAILED with the reason in the workspace.
@@ -109,6 +111,7 @@ def solve_large_island(work: Workspace, i: int, tolerance: float, last: bool, re
     return RunStatus.DONE
 
 
+@in_space("lcpflex.steppers.spatial.island_problems")
 @kernel
 def solve_islands(work: Workspace, t: float, tolerance: float, warm: bool, last: bool, recorder: Recorder) -> int:
     """The problems laid that are not solved yet; DONE, or as :func:`solve_island`.
@@ -135,6 +138,7 @@ def solve_islands(work: Workspace, t: float, tolerance: float, warm: bool, last:
     return RunStatus.DONE
 
 
+@in_space("lcpflex.steppers.spatial.island_problems")
 @kernel
 def shorten_forces(work: Workspace) -> bool:
     """Of all contact forces in ``work.p`` with the same effect the least ones, once a step.

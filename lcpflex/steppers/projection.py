@@ -14,6 +14,7 @@ from lcpflex.dynamics.large_island import describe_island, is_large
 from lcpflex.dynamics.mechanics import displace, supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.compiled import solve_normals
@@ -107,6 +108,7 @@ def project_contacts(
     return moved
 
 
+@in_space("lcpflex.steppers.spatial.projection")
 @kernel
 def lift_island(model: Model, work: Workspace, i: int, q: FloatArray) -> bool:
     """Lift the sunk contacts of island i; whether there were any, and it could be done."""

@@ -8,22 +8,27 @@ import numpy as np
 
 from lcpflex.contact.detection import RIGID, ContactTable, detect
 from lcpflex.contact.rows import contact_point
+from lcpflex.contact.spatial.table import SpatialContactTable
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.joint_reactions import settle
 from lcpflex.dynamics.mechanics import energies
 from lcpflex.dynamics.reaction_memory import Reactions, peaks
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
-from lcpflex.jit.struct import allocate, array, shapes_of, struct
+from lcpflex.jit.leaf import in_space
+from lcpflex.jit.struct import allocate, array, shapes_of, spatial, struct
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
 from lcpflex.steppers.rates import Rates
 
 __all__ = [
     "BY_RATE",
+    "add_compliant_impulse",
+    "add_impulse",
     "FIELDS",
     "RUNNING",
     "Counts",
     "Recorder",
+    "SpatialRecorder",
     "has_room",
     "note_certificate",
     "note_compliant",
@@ -73,8 +78,9 @@ class Recorder:
     times: FloatArray = array("capacity")
     q: FloatArray = array("capacity", "nq")
     u: FloatArray = array("capacity", "ndof")
-    force: FloatArray = array("capacity", "laws", 2)
-    impulse: FloatArray = array("capacity", "laws", 2)
+    # of each declared contact the sums of normal forces, and of friction along t; in space of friction a vector, world
+    force: FloatArray = array("capacity", "laws", "sums")
+    impulse: FloatArray = array("capacity", "laws", "sums")
     state: IntArray = array("capacity", "laws")
     gap: FloatArray = array("capacity", "laws")
     energies: FloatArray = array("capacity", 7)  # kinetic, elastic, potential; lost to friction, impacts, damping; work
@@ -88,7 +94,8 @@ class Recorder:
     joint_impulse: FloatArray = array("capacity", "joints", "reaction")
     joint_unique: IntArray = array("capacity", "rates", "joints")
     asked: IntArray = array("capacity", "rates")  # 1: by this rate; the worst ones are since the last of rate 0
-    points: FloatArray = array("points", 9)  # instant, law, x, y, n_x, n_y, force N, force T, state
+    # instant, law, place (x, y), n, force N, force T, state; in space three components of place, n and force T, world
+    points: FloatArray = array("points", "columns")
     table: ContactTable  # near contacts at the stored instant, for gaps
     margin: float  # gaps larger than this are not measured [m]
     # what bodies may pass through in a step (lcpflex.contact.thickness)
@@ -104,11 +111,12 @@ class Recorder:
     counts: Counts
     reactions: Reactions
     rates: Rates
-    total_impulse: FloatArray = array("laws", 2)
-    now_force: FloatArray = array("laws", 2)
+    total_impulse: FloatArray = array("laws", "sums")
+    now_force: FloatArray = array("laws", "sums")
     now_state: IntArray = array("laws")
 
 
+SpatialRecorder = spatial(Recorder)
 BY_RATE = {name for name, shape in shapes_of(Recorder).items() if shape[:2] == ("capacity", "rates")}
 FIELDS = tuple(name for name, shape in shapes_of(Recorder).items() if shape[0] == "capacity")  # stored of each instant
 RUNNING = tuple(name for name, shape in shapes_of(Recorder).items() if shape[0] not in ("capacity", "points"))
@@ -131,9 +139,12 @@ def recorder(
 ) -> Recorder:
     """Allocate an empty recorder."""
     n_joints = len(reactions.impulse)
+    in_space = isinstance(table, SpatialContactTable)
     return allocate(
-        Recorder,
+        SpatialRecorder if in_space else Recorder,
         {
+            "sums": 4 if in_space else 2,
+            "columns": 13 if in_space else 9,
             "nq": nq,
             "ndof": ndof,
             "bodies": len(deflection),
@@ -192,11 +203,39 @@ def note_contact(
         recorder.n_points = row + 1
 
 
-@late_kernel
+@in_space("lcpflex.steppers.spatial.records")
+@kernel
+def add_impulse(work: Workspace, r: int, p: float, recorder: Recorder) -> None:
+    """Add the impulse p of contact row r, counted behind those of joints, to the sums of its declared contact."""
+    n = work.n_contacts
+    if r < n:
+        recorder.total_impulse[work.table.law[r], 0] += p
+    else:
+        recorder.total_impulse[work.table.law[work.tangent[r - n]], 1] += p
+
+
+@in_space("lcpflex.steppers.spatial.records")
+@kernel
+def add_compliant_impulse(contacts: CompliantContacts, k: int, step: float, recorder: Recorder) -> None:
+    """Add what compliant contact k has given in a step to the sums of its declared contact."""
+    for c in range(2):
+        recorder.total_impulse[contacts.table.law[k], c] += step * contacts.p[k, c]
+
+
+@in_space("lcpflex.steppers.spatial.records")
+@kernel
 def note_compliant(
     model: Model, q: FloatArray, contacts: CompliantContacts, touching: bool, recorder: Recorder
 ) -> None:
     """Add the compliant contacts with the forces found at q; ``touching``: those without a force, too."""
+    note_planar_compliant(model, q, contacts, touching, recorder)
+
+
+@late_kernel
+def note_planar_compliant(
+    model: Model, q: FloatArray, contacts: CompliantContacts, touching: bool, recorder: Recorder
+) -> None:
+    """The same, in the plane."""
     table = contacts.table
     for k in range(contacts.n_contacts):
         if touching or table.gap[k] < 0.0:
@@ -344,7 +383,7 @@ def store_state(
     if len(recorder.reactions.impulse) > 0:
         store_reactions(model, work, recorder)
     for law in range(len(recorder.total_impulse)):
-        for i in range(2):
+        for i in range(recorder.total_impulse.shape[1]):
             recorder.impulse[row, law, i] = recorder.total_impulse[law, i]
             recorder.force[row, law, i] = recorder.now_force[law, i]
             recorder.now_force[law, i] = 0.0

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from lcpflex.contact.detection import ALL, RIGID, ContactTable, contact_table
 from lcpflex.contact.rule_pairs import RulePairs, give_laws, make_room, rule_pairs
+from lcpflex.contact.spatial.table import spatial_contact_table
 from lcpflex.contact.thickness import farthest, surface_thickness, thinnest
 from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.compliant_contacts import CompliantContacts, compliant_contacts, sufficient_capacity
@@ -25,6 +27,7 @@ from lcpflex.jit.dispatch import Hooks
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
+from lcpflex.model.layout import is_spatial
 from lcpflex.solvers.contact.memory import ContactData, SolverMemory
 from lcpflex.steppers.rates import rates
 from lcpflex.steppers.recorder import Recorder, recorder
@@ -131,11 +134,22 @@ class System:
         ``touching``: gap up to which a pair of a rule gets a law of its own [m].
         """
         laws = self._by_law(self.is_compliant)
-        return contact_table(capacity, self.n_surfaces, laws, collects if laws else ALL, self.pairs, touching)
+        return self._table(capacity, laws, collects if laws else ALL, self.pairs, touching)
 
     def held(self, capacity: int) -> ContactTable:
         """A table for entries of others: nothing is detected with it, and copies of it share nothing."""
-        return contact_table(capacity, self.n_surfaces, self._by_law(self.is_compliant))
+        return self._table(capacity, self._by_law(self.is_compliant))
+
+    def _table(
+        self,
+        capacity: int,
+        laws: tuple[int, ...],
+        collects: int = ALL,
+        pairs: RulePairs | None = None,
+        touching: float = math.inf,
+    ) -> Any:
+        make = spatial_contact_table if is_spatial(self.model) else contact_table
+        return make(capacity, self.n_surfaces, laws, collects, pairs, touching)
 
     def _by_law(self, values: tuple[int, ...]) -> tuple[int, ...]:
         """With a 0 for the rule and each pair of it."""
@@ -157,7 +171,8 @@ class System:
             shared = before.history, before.dof, before.arrow, before.dense
         history, dof, arrow, dense = shared
         room = sufficient_capacity(contacts, rows) if capacity is None else capacity
-        return compliant_contacts(rows, history, dof, self.pattern, self.n_surfaces, arrow, dense, room)
+        in_space = is_spatial(self.model)
+        return compliant_contacts(rows, history, dof, self.pattern, self.n_surfaces, arrow, dense, room, in_space)
 
     def workspace(
         self,
@@ -179,7 +194,7 @@ class System:
         """An empty recorder."""
         # of contacts that give way, too, a depth is no penetration
         laws = self._by_law(self.is_compliant or self.soft)
-        table = contact_table(table_capacity, self.n_surfaces, laws, ALL, self.pairs, TOUCHING * self.margin)
+        table = self._table(table_capacity, laws, ALL, self.pairs, TOUCHING * self.margin)
         contacts = self.model.contacts
         thickness = surface_thickness(contacts)
         return recorder(

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import numpy.typing as npt
 
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.jit.struct import allocate, array, numbers_of, struct
+from lcpflex.jit.struct import allocate, array, numbers_of, parts_of, struct
 from lcpflex.solvers.auto import auto_workspace
 
 __all__ = [
@@ -99,7 +100,8 @@ def contact_data(capacity: int) -> ContactData:
 
 def carried_over(memory: SolverMemory, known: Remembered) -> tuple[npt.NDArray[Any], ...]:
     """What a solve may take over from the one before, as arrays that are written to; all else is written anew."""
-    return known.key, known.basis, known.force, known.slot, numbers_of(known), numbers_of(memory)
+    kept = (value for value in parts_of(known).values() if isinstance(value, np.ndarray))
+    return *kept, numbers_of(known), numbers_of(memory)
 
 
 def prepare(capacity: int, before: SolverMemory | None = None) -> SolverMemory:

@@ -17,8 +17,8 @@ from lcpflex.compile.spatial.sensors import compiled_spatial_sensor
 from lcpflex.dynamics.spatial.state import SpatialState
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model.arrays import Contacts, empty, frozen
-from lcpflex.model.spatial import SpatialModel
+from lcpflex.model.arrays import frozen
+from lcpflex.model.spatial import SpatialModel, no_spatial_contacts
 from lcpflex.scene.spatial.scene import SpatialParts
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def compiled_spatial_scene(scene: SpatialScene, project: bool) -> CompiledScene:
     joints = compile_spatial_joints(parts.joints, assembly, project)
     loads = compile_spatial_loads(scene.gravity, parts.loads, assembly)
     signals, callbacks = assembly.signals.compile()
-    model = SpatialModel(bodies, assembly.points.compile(), signals, joints, loads, empty(Contacts))
+    model = SpatialModel(bodies, assembly.points.compile(), signals, joints, loads, no_spatial_contacts())
     layout = Layout(
         bodies=tuple(p.name for p in parts.placed),
         contacts=(),

@@ -76,7 +76,7 @@ def over(
     return over_arc(model, q, f, x, y, highest)
 
 
-@in_space("lcpflex.contact.spatial.detection")
+@in_space("lcpflex.contact.spatial.pairs")
 @kernel
 def refresh(model: Model, q: FloatArray, table: ContactTable, k: int) -> None:
     """Gap, normal and foot of entry k at q, with its feature kept."""
@@ -105,7 +105,7 @@ def feature_velocity(model: Model, q: FloatArray, u: FloatArray, table: ContactT
     return arc_velocity(model, q, u, table, k)
 
 
-@in_space("lcpflex.contact.spatial.detection")
+@in_space("lcpflex.contact.spatial.pairs")
 @kernel
 def contact_bias(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
     """w_N and w_T [m/s^2] of entry k."""
@@ -114,7 +114,7 @@ def contact_bias(model: Model, q: FloatArray, u: FloatArray, table: ContactTable
     return arc_bias(model, q, u, table, k)
 
 
-@in_space("lcpflex.contact.spatial.detection")
+@in_space("lcpflex.contact.spatial.pairs")
 @kernel
 def foot_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
     """How far the foot of entry k is inside its feature: in s of a segment or its neighbours, in angle of an arc."""
@@ -125,7 +125,7 @@ def foot_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> flo
     return arc_margin(model, q, table, k)
 
 
-@in_space("lcpflex.contact.spatial.detection")
+@in_space("lcpflex.contact.spatial.pairs")
 @kernel
 def node_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
     """How far the foot of entry k is inside the arc that its node is [rad]."""

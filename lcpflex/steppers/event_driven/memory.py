@@ -15,6 +15,7 @@ from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.dynamics.impact_laws import SEGMENTS
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.kinematics.configuration import normalise
 from lcpflex.model.arrays import Model
@@ -171,6 +172,7 @@ def within(model: Model, memory: EventMemory, share: float, out: FloatArray) -> 
     normalise(model, out[: memory.nq])
 
 
+@in_space("lcpflex.contact.spatial.table")
 @kernel
 def copy_entry(source: ContactTable, i: int, target: ContactTable, j: int) -> None:
     """Entry i of one table becomes entry j of another (or the same)."""

@@ -26,6 +26,7 @@ from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.islands import forget_islands, unfinished
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
 from lcpflex.solvers.contact.several_motions import several_motions
 from lcpflex.steppers.event_driven.impacts import AGAIN, JAM, LOOKING, RESOLVED, SLOWEST, UNSOLVED
@@ -167,6 +168,7 @@ def fall_back(memory: EventMemory) -> None:
             sets.mode[k] = sets.fallback[k]
 
 
+@in_space("lcpflex.steppers.spatial.sets")
 @kernel
 def note_paradox(settings: EventSettings, work: Workspace, memory: EventMemory) -> None:
     """Remember that contacts of an island may move in several ways, and which contacts the first ones were."""

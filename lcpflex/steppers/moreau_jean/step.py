@@ -51,6 +51,8 @@ from lcpflex.steppers.passing import set_out
 from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.recorder import (
     Recorder,
+    add_compliant_impulse,
+    add_impulse,
     note_compliant,
     note_contact,
     note_gain,
@@ -168,8 +170,7 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, rec
         recorder.counts.lost_friction -= lost
         recorder.counts.lost_damping += lost
     for k in range(contacts.n_contacts):
-        for c in range(2):
-            recorder.total_impulse[contacts.table.law[k], c] += scheme.step * contacts.p[k, c]
+        add_compliant_impulse(contacts, k, scheme.step, recorder)
     for r in range(n_joint + n + work.n_tangents):
         p = work.p[r]
         if p == 0.0 or (r < n_joint and work.rate[r] == 0.0):
@@ -182,11 +183,11 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, rec
         elif r < n_joint + n:
             gained += done
             recorder.counts.lost_impacts -= done
-            recorder.total_impulse[work.table.law[r - n_joint], 0] += p
+            add_impulse(work, r - n_joint, p, recorder)
         else:
             gained += done
             recorder.counts.lost_friction -= done
-            recorder.total_impulse[work.table.law[work.tangent[r - n_joint - n]], 1] += p
+            add_impulse(work, r - n_joint, p, recorder)
     note_gain(recorder, t, gained)
     if len(recorder.reactions.impulse) > 0:
         hit = n > 0 and struck(model, scheme, work, recorder.reactions)
@@ -272,6 +273,18 @@ def record_impulses(model: Model, scheme: Any, t: float, work: Workspace, record
     needed = store_contacts(model, q, recorder)
     if needed > len(recorder.table.key):
         return needed
+    note_impulses(model, q, u, step, work, recorder)
+    if len(work.compliant.friction) > 0:
+        forces_after(model, q, u, work)
+        note_compliant(model, q, work.compliant, False, recorder)
+    store_state(model, t, q, u, work, elastic_energy(model, work.compliant), recorder)
+    return needed
+
+
+@in_space("lcpflex.steppers.spatial.records")
+@kernel
+def note_impulses(model: Model, q: FloatArray, u: FloatArray, step: float, work: Workspace, recorder: Recorder) -> None:
+    """Add the touching points of the step to the instant about to be stored."""
     n_joint = work.n_joint
     n = work.n_contacts
     tangent = 0
@@ -288,11 +301,6 @@ def record_impulses(model: Model, scheme: Any, t: float, work: Workspace, record
             state = STICK if abs(slip) <= STICKING_SPEED else SLIP
             place = contact_point(model, q, work.table, k)
             note_contact(recorder, work.table.law[k], place, work.table.normal[k], p_n / step, p_t / step, state)
-    if len(work.compliant.friction) > 0:
-        forces_after(model, q, u, work)
-        note_compliant(model, q, work.compliant, False, recorder)
-    store_state(model, t, q, u, work, elastic_energy(model, work.compliant), recorder)
-    return needed
 
 
 @take_step.of(MoreauJeanScheme)

@@ -1,0 +1,103 @@
+"""The table of near contacts in space: what detection fills, and steppers read.
+
+An entry is a pair of features with its gap, normal and tangents. Its kind tells which (normal n from body j to body i,
+t2 = n x t1):
+
+* NODE_FACET: node P on i, plane through a, b, c on j (a facet, or a plane without end);
+* NODE_EDGE: node P on i, edge a, b of radius R on j (R = 0: sharp, else the side of a capsule or cylinder);
+* NODE_POINT: node P on i, vertex or sphere o of radius R on j (R < 0: touched from inside);
+* EDGE_EDGE: edge a, b on i and edge c, d on j;
+* RIM_FACET: rim of a disc with centre o and a point on its axis on i, plane through a, b, c on j.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from lcpflex.contact.rule_pairs import RulePairs, no_pairs
+from lcpflex.contact.table import ALL
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.struct import allocate, array, struct
+
+__all__ = [
+    "EDGE_EDGE",
+    "NODE_EDGE",
+    "NODE_FACET",
+    "NODE_POINT",
+    "RIM_FACET",
+    "SpatialContactTable",
+    "copy_entry",
+    "spatial_contact_table",
+]
+
+NODE_FACET, NODE_EDGE, NODE_POINT, EDGE_EDGE, RIM_FACET = range(5)
+
+
+@struct
+class SpatialContactTable:
+    """Near contacts, one an entry, in the order of detection. Work arrays apart, the first length is the capacity."""
+
+    key: IntArray = array("contacts")  # both features in one number, the same from call to call
+    law: IntArray = array("contacts")  # declared contact
+    kind: IntArray = array("contacts")
+    node: IntArray = array("contacts")  # material point P, or the first one of i
+    point: IntArray = array("contacts", 5)  # material points: P, or a, b, or o and on the axis; then those of j
+    radius: FloatArray = array("contacts", 3)  # of the node (or edge) of i, of the feature of j, of a rim [m]
+    sense: FloatArray = array("contacts")  # of the normal: of spheres sign of R, of two edges that of e x f; else +1
+    foot: FloatArray = array("contacts", 2)  # xi^1, xi^2 in a facet; s on an edge; s and t of two edges
+    body: IntArray = array("contacts", 2)  # i, j; -1: ground
+    gap: FloatArray = array("contacts")  # [m]
+    normal: FloatArray = array("contacts", 3)  # from j to i, world axes
+    tangent: FloatArray = array("contacts", 3)  # t1, world axes
+    along: IntArray = array("contacts")  # which axis of body j t1 is the projection of; -1: the first edge of j
+    bound: FloatArray = array("surfaces", 4)  # work: world centre of each surface, its deflection
+    compliant: IntArray = array("laws")  # as in the plane
+    collects: int
+    pairs: RulePairs
+    touching: float
+
+
+def spatial_contact_table(
+    capacity: int,
+    n_surfaces: int = 0,
+    compliant: Sequence[int] = (),
+    collects: int = ALL,
+    pairs: RulePairs | None = None,
+    touching: float = math.inf,
+) -> SpatialContactTable:
+    """An empty table for ``capacity`` contacts between ``n_surfaces`` surfaces (those of the model it is used with).
+
+    pairs: of the rule of that model, where it has one.
+    """
+    return allocate(
+        SpatialContactTable,
+        {"contacts": capacity, "surfaces": n_surfaces},
+        compliant=np.array(compliant, np.int64),
+        collects=collects,
+        pairs=no_pairs() if pairs is None else pairs,
+        touching=touching,
+    )
+
+
+@kernel
+def copy_entry(source: SpatialContactTable, i: int, target: SpatialContactTable, j: int) -> None:
+    """Entry i of one table becomes entry j of another (or the same)."""
+    target.key[j] = source.key[i]
+    target.law[j] = source.law[i]
+    target.kind[j] = source.kind[i]
+    target.node[j] = source.node[i]
+    target.sense[j] = source.sense[i]
+    target.gap[j] = source.gap[i]
+    target.along[j] = source.along[i]
+    for c in range(5):
+        target.point[j, c] = source.point[i, c]
+    for c in range(3):
+        target.radius[j, c] = source.radius[i, c]
+        target.normal[j, c] = source.normal[i, c]
+        target.tangent[j, c] = source.tangent[i, c]
+    for c in range(2):
+        target.foot[j, c] = source.foot[i, c]
+        target.body[j, c] = source.body[i, c]

@@ -1,0 +1,135 @@
+"""What a run writes down of contacts in space: touching points, and sums of forces and impulses."""
+
+from __future__ import annotations
+
+from lcpflex.contact.spatial.pairs import contact_point
+from lcpflex.contact.spatial.table import SpatialContactTable
+from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.dynamics.spatial.inertia import SpatialWork
+from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.spatial.rotations import Vector
+from lcpflex.model.arrays import SLIP, STICK
+from lcpflex.model.spatial import SpatialModel
+from lcpflex.steppers.recorder import Recorder
+
+__all__ = [
+    "add_compliant_impulse",
+    "add_impulse",
+    "friction_vector",
+    "note_compliant",
+    "note_impulses",
+    "note_spatial_contact",
+]
+
+STICKING_SPEED = 1e-9  # [m/s] as in the plane
+
+
+@kernel
+def friction_vector(table: SpatialContactTable, k: int, first: float, second: float) -> Vector:
+    """first t1 + second t2 of entry k, world axes; t2 = n x t1."""
+    nx, ny, nz = table.normal[k, 0], table.normal[k, 1], table.normal[k, 2]
+    x, y, z = table.tangent[k, 0], table.tangent[k, 1], table.tangent[k, 2]
+    return (
+        first * x + second * (ny * z - nz * y),
+        first * y + second * (nz * x - nx * z),
+        first * z + second * (nx * y - ny * x),
+    )
+
+
+@kernel
+def add_impulse(work: SpatialWork, r: int, p: float, recorder: Recorder) -> None:
+    """Add the impulse p of contact row r, counted behind those of joints: normal ones, and friction as a vector."""
+    n = work.n_contacts
+    sums = recorder.total_impulse
+    if r < n:
+        sums[work.table.law[r], 0] += p
+        return
+    k = work.tangent[r - n]
+    second = work.tangent_of[k] != r - n
+    x, y, z = friction_vector(work.table, k, 0.0 if second else p, p if second else 0.0)
+    law = work.table.law[k]
+    sums[law, 1] += x
+    sums[law, 2] += y
+    sums[law, 3] += z
+
+
+@kernel
+def add_compliant_impulse(contacts: SpatialWork, k: int, step: float, recorder: Recorder) -> None:
+    """Add what compliant contact k has given in a step to the sums of its declared contact."""
+    sums, law = recorder.total_impulse, contacts.table.law[k]
+    x, y, z = friction_vector(contacts.table, k, step * contacts.p[k, 1], step * contacts.p[k, 2])
+    sums[law, 0] += step * contacts.p[k, 0]
+    sums[law, 1] += x
+    sums[law, 2] += y
+    sums[law, 3] += z
+
+
+@kernel
+def note_spatial_contact(
+    recorder: Recorder,
+    table: SpatialContactTable,
+    k: int,
+    place: Vector,
+    force_n: float,
+    first: float,
+    second: float,
+    state: int,
+) -> None:
+    """Add entry k, touching at ``place`` with forces along n, t1 and t2, to the instant about to be stored."""
+    law = table.law[k]
+    x, y, z = friction_vector(table, k, first, second)
+    recorder.now_force[law, 0] += force_n
+    recorder.now_force[law, 1] += x
+    recorder.now_force[law, 2] += y
+    recorder.now_force[law, 3] += z
+    recorder.now_state[law] = max(recorder.now_state[law], state)
+    row = recorder.n_points
+    if row < len(recorder.points):
+        points = recorder.points
+        points[row, 0] = recorder.n_instants
+        points[row, 1] = law
+        for i in range(3):
+            points[row, 2 + i] = place[i]
+            points[row, 5 + i] = table.normal[k, i]
+        points[row, 8] = force_n
+        points[row, 9] = x
+        points[row, 10] = y
+        points[row, 11] = z
+        points[row, 12] = state
+        recorder.n_points = row + 1
+
+
+@kernel
+def note_impulses(
+    model: SpatialModel, q: FloatArray, u: FloatArray, step: float, work: SpatialWork, recorder: Recorder
+) -> None:
+    """Add the touching points of the step to the instant about to be stored."""
+    n_joint, n = work.n_joint, work.n_contacts
+    for k in range(n):
+        p_n = work.p[n_joint + k]
+        if not p_n > 0.0:
+            continue
+        first, second, slip = 0.0, 0.0, 1.0
+        j = work.tangent_of[k]
+        if j >= 0:
+            r = n_joint + n + j
+            first, second = work.p[r], work.p[r + 1]
+            slip = abs(row_velocity(work.rows, work.row_body, r, work.dof, u))
+            slip += abs(row_velocity(work.rows, work.row_body, r + 1, work.dof, u))
+        state = STICK if slip <= STICKING_SPEED else SLIP
+        place = contact_point(model, q, work.table, k)
+        note_spatial_contact(recorder, work.table, k, place, p_n / step, first / step, second / step, state)
+
+
+@kernel
+def note_compliant(
+    model: SpatialModel, q: FloatArray, contacts: SpatialWork, touching: bool, recorder: Recorder
+) -> None:
+    """Add the compliant contacts with the forces found at q; ``touching``: those without a force, too."""
+    table = contacts.table
+    for k in range(contacts.n_contacts):
+        if touching or table.gap[k] < 0.0:
+            place = contact_point(model, q, table, k)
+            p = contacts.p[k]
+            state = STICK if contacts.sticks[k] == 1 and (touching or p[0] > 0.0) else SLIP
+            note_spatial_contact(recorder, table, k, place, p[0], p[1], p[2], state)
