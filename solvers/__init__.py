@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     )
     from lcpflex.solvers.contact.block_gauss_seidel import BlockGaussSeidel as BlockGaussSeidel
     from lcpflex.solvers.contact.cone import ConvexFriction as ConvexFriction
+    from lcpflex.solvers.contact.cones.facets import FacetedCone as FacetedCone
+    from lcpflex.solvers.contact.cones.fixed_point import ConicFixedPoint as ConicFixedPoint
     from lcpflex.solvers.contact.problem import ContactProblem as ContactProblem
     from lcpflex.solvers.contact.spatial import SpatialContactProblem as SpatialContactProblem
     from lcpflex.solvers.lcp.enumeration import Enumeration as Enumeration

@@ -7,7 +7,7 @@ from typing import Any
 from lcpflex.errors import ModelError, shown
 from lcpflex.solvers.solution import Solution
 
-__all__ = ["NO_LCP", "check_answer", "has_cones", "no_cones"]
+__all__ = ["NO_LCP", "check_answer", "has_cones", "no_cones", "only_cones"]
 
 NO_LCP = (
     "SpatialContactProblem is no LCP, as friction in space obeys a cone; expected a solver that takes cones: Auto(), "
@@ -23,6 +23,14 @@ def has_cones(problem: Any) -> bool:
 def no_cones(solver: Any, problem: Any) -> str:
     """Why a solver of LCPs refuses a contact problem in space; empty for any other problem."""
     return f"{type(solver).__name__} solves LCPs: {NO_LCP}" if has_cones(problem) else ""
+
+
+def only_cones(solver: Any, problem: Any) -> str:
+    """Why a solver that knows cones alone refuses any other problem; empty for a contact problem in space."""
+    if has_cones(problem):
+        return ""
+    kind = type(problem).__name__
+    return f"{type(solver).__name__} takes contact in space: {kind} was given, expected a SpatialContactProblem"
 
 
 def check_answer(found: Any) -> Solution:

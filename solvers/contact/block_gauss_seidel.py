@@ -39,6 +39,7 @@ from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.lcp.lemke import lemke_workspace
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept, restored
+from lcpflex.solvers.refusals import no_cones
 from lcpflex.solvers.status import ITERATION_LIMIT, Status
 
 __all__ = ["BlockGaussSeidel"]
@@ -125,6 +126,8 @@ class BlockGaussSeidel:
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem; empty if it can."""
+        if reason := no_cones(self, problem):
+            return reason
         if (
             isinstance(problem, ContactProblem)
             or (problem if isinstance(problem, Lcp) else posed(problem).lcp()).symmetric

@@ -1,4 +1,4 @@
-"""The convex relaxation of planar Coulomb friction, by Clarabel's second-order cones. It is another model.
+"""The convex relaxation of Coulomb friction, by Clarabel's second-order cones. It is another model.
 
 With v = G lambda + free and the cones K: |lambda_T| <= mu lambda_N and K*: v_N >= mu |v_T| of each contact,
 
@@ -22,15 +22,17 @@ from typing import Any, ClassVar
 import numpy as np
 import scipy.sparse
 
-from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess
-from lcpflex.solvers.clock import limited, out_of_time, remaining
+from lcpflex.solvers.clock import out_of_time
+from lcpflex.solvers.contact.clarabel import SUCCESS, conic_program
+from lcpflex.solvers.contact.cones.relaxed import RelaxedSpatialProblem, relaxed_solution
 from lcpflex.solvers.contact.matrices import as_dense, is_sparse
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.contact.relaxation import ConvexContactProblem
-from lcpflex.solvers.guard import guarded, words_of
+from lcpflex.solvers.contact.spatial import SpatialContactProblem
+from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.lcp.polishing import equilibrium, polish
 from lcpflex.solvers.lcp.proofs import infeasibility
 from lcpflex.solvers.limits import keep_settings
@@ -39,20 +41,19 @@ from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
 __all__ = ["ConvexFriction", "relaxed_forces"]
 
 LARGEST = 2000  # force components beyond which the dense matrix that polishing needs is not formed
-SUCCESS = ("Solved", "AlmostSolved")
+UNSYMMETRIC = "delassus is unsymmetric, and no convex program has its solutions; expected a symmetric one"
 UNBOUNDED = "the relaxation has no solution: forces in the cones press contacts together without bound"
 POLISHING = 5  # corrections of which edges carry force
-ACCURACY = 1e-12  # asked of Clarabel: near what it can reach in double precision
 
 
 @dataclass(frozen=True, slots=True)
 class ConvexFriction:
-    """The convex relaxation of planar Coulomb friction: another model, which lifts contacts that slide.
+    """The convex relaxation of Coulomb friction: another model, which lifts contacts that slide.
 
     Solves :class:`ConvexContactProblem`; the z of its solutions holds the forces [lambda_N (n_N), lambda_T (n_H)] and w
-    the velocities, not the unknowns of :meth:`ContactProblem.lcp`. SOLVED means solved in that model; route and message
-    say so. tolerance: largest accepted residual of that model [-]. Raises ModelError, in :meth:`solve`, for anything
-    that is not a :class:`ContactProblem`.
+    the velocities, not the unknowns of :meth:`ContactProblem.lcp`; in space the forces as they are of a
+    :class:`SpatialContactProblem`. SOLVED means solved in that model; route and message say so. tolerance: largest
+    accepted residual of that model [-]. Raises ModelError, in :meth:`solve`, for anything that is no contact problem.
     """
 
     tolerance: float = 1e-10
@@ -63,6 +64,8 @@ class ConvexFriction:
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem; empty if it can."""
+        if isinstance(problem, SpatialContactProblem):
+            return "" if problem.symmetric else f"{UNSYMMETRIC}: Auto() takes it"
         if isinstance(problem, ContactProblem):
             return ""
         return (
@@ -73,16 +76,29 @@ class ConvexFriction:
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """The forces of the relaxed model. A guess is ignored: interior points cannot start from one.
 
-        problem: a :class:`ContactProblem`. guess: the solution of a similar problem to start from, or None.
+        problem: a :class:`ContactProblem` or a :class:`SpatialContactProblem`. guess: the solution of a similar problem
+        to start from, or None.
         """
         check_guess(guess)
-        if not isinstance(problem, ContactProblem):
-            raise ModelError(self.refuses(problem))
+        if reason := self.refuses(problem):
+            raise ModelError(reason)
+        if isinstance(problem, SpatialContactProblem):
+            space = RelaxedSpatialProblem(problem)
+            with np.errstate(all="ignore"):
+                return guarded("Clarabel", space, self.tolerance, lambda: self._in_space(space))
+        assert isinstance(problem, ContactProblem)
         relaxed = ConvexContactProblem(problem)
         if not problem.free.any():
             return self._judged(relaxed, np.zeros(relaxed.size), "free = 0", 0, "Solved")
         with np.errstate(all="ignore"):  # what overflows is not finite, and is not called solved
             return guarded("Clarabel", relaxed, self.tolerance, lambda: self._solve(relaxed))
+
+    def _in_space(self, relaxed: RelaxedSpatialProblem) -> Solution:
+        """Clarabel's forces in the cones of space, their last digits by Newton steps."""
+        forces, iterations, said = relaxed_solution(relaxed.contact)
+        if not np.isfinite(forces).all():
+            forces = np.zeros(relaxed.size)
+        return self._judged(relaxed, forces, "Clarabel", iterations, said)
 
     def _solve(self, relaxed: ConvexContactProblem) -> Solution:
         """Clarabel's point, polished and judged."""
@@ -117,7 +133,14 @@ class ConvexFriction:
                 break
         return best, polished
 
-    def _judged(self, relaxed: ConvexContactProblem, z: FloatArray, route: str, iterations: int, said: str) -> Solution:
+    def _judged(
+        self,
+        relaxed: ConvexContactProblem | RelaxedSpatialProblem,
+        z: FloatArray,
+        route: str,
+        iterations: int,
+        said: str,
+    ) -> Solution:
         """The point, judged by the relaxed law and labelled as a solution of no other."""
         solution = accept(
             relaxed,
@@ -132,7 +155,7 @@ class ConvexFriction:
         if solution.solved:
             lift = relaxed.lift(z)
             message = f"solves the convex relaxation of friction, which lifts sliding contacts by up to {lift:.3g}"
-        return replace(solution, message=message, keys=_force_keys(relaxed.contact))
+        return replace(solution, message=message, keys=_force_keys(relaxed))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,31 +204,7 @@ class _Program:
 
     def clarabel(self) -> tuple[FloatArray, int, str]:
         """x (m,), the iterations and what Clarabel says of it."""
-        m = len(self.c)
-        cones = [libs.clarabel.NonnegativeConeT(self.smooth)] if self.smooth else []
-        cones += [libs.clarabel.SecondOrderConeT(2)] * ((m - self.smooth) // 2)
-        settings = libs.clarabel.DefaultSettings()
-        settings.verbose = False
-        settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = ACCURACY
-        if limited():
-            settings.time_limit = max(remaining(), 1e-6)
-        if self.B is None:
-            P = scipy.sparse.triu(scipy.sparse.csc_matrix(self.P), format="csc")
-            A = -scipy.sparse.identity(m, format="csc")
-            objective, bound = self.c, np.zeros(m)
-        else:
-            P, A = scipy.sparse.identity(self.B.shape[1], format="csc"), -scipy.sparse.csc_matrix(self.B)
-            objective, bound = np.zeros(self.B.shape[1]), self.c
-        try:
-            found = libs.clarabel.DefaultSolver(P, objective, A, bound, cones, settings).solve()
-        except (KeyboardInterrupt, SystemExit):
-            raise
-        except BaseException as error:  # a panic in Rust is no Exception; what it says is passed on
-            return np.full(m, np.nan), 0, words_of(error)
-        said = str(found.status)
-        if self.B is not None and said == "PrimalInfeasible":  # the dual program is named from its own side
-            said = "DualInfeasible"
-        return np.array(found.x if self.B is None else found.z), int(found.iterations), said
+        return conic_program(self.P, self.B, self.c, self.smooth, 2)
 
     def turned(self, x: FloatArray) -> FloatArray:
         """Components along the two edges of each plane cone; turned twice is x itself."""
@@ -273,7 +272,10 @@ def _in_order(matrix: Any, order: IntArray, unit: FloatArray) -> Any:
     return (matrix[np.ix_(order, order)] * unit[:, None]) * unit
 
 
-def _force_keys(contact: ContactProblem) -> tuple[Hashable, ...]:
+def _force_keys(relaxed: ConvexContactProblem | RelaxedSpatialProblem) -> tuple[Hashable, ...]:
     """Names of lambda_N and lambda_T: no guess of Coulomb's unknowns must mistake the latter for lambda_R."""
+    if isinstance(relaxed, RelaxedSpatialProblem):
+        return relaxed.unknown_keys
+    contact = relaxed.contact
     frictional = [contact.keys[i] for i in contact.tangent]
     return (*((key, "N") for key in contact.keys), *((key, "T") for key in frictional))

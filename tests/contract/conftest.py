@@ -11,7 +11,7 @@ import pytest
 import lcpflex.solvers
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import interpreted
-from lcpflex.solvers import ContactProblem, Lcp, Status
+from lcpflex.solvers import ContactProblem, Lcp, SpatialContactProblem, Status
 
 TOLERANCE = 1e-10
 
@@ -50,11 +50,16 @@ def _solvers():
 
 
 SOLVERS = dict(_solvers())
+FLAT = ContactProblem([[1.0, 0.0], [0.0, 1.0]], [-1.0, 0.1], [0.3])
+SPACE = SpatialContactProblem(np.eye(3), [-1.0, 0.1, 0.0], [0.3])
+PLANAR = {name: solver for name, solver in SOLVERS.items() if not (solver.refuses(FLAT) and solver.refuses(FLAT.lcp()))}
+CONES = {name: solver for name, solver in SOLVERS.items() if not solver.refuses(SPACE)}
 
 
 def pytest_generate_tests(metafunc):
-    if "any_solver" in metafunc.fixturenames:
-        metafunc.parametrize("any_solver", SOLVERS.values(), ids=SOLVERS)
+    for name, solvers in (("any_solver", PLANAR), ("cone_solver", CONES)):
+        if name in metafunc.fixturenames:
+            metafunc.parametrize(name, solvers.values(), ids=solvers)
 
 
 @pytest.fixture(scope="session")

@@ -115,8 +115,10 @@ def solver_faces() -> list[Face]:
     for name in (
         "Auto",
         "BlockGaussSeidel",
+        "ConicFixedPoint",
         "ConvexFriction",
         "Enumeration",
+        "FacetedCone",
         "GaussSeidel",
         "Lemke",
         "MinMapNewton",
@@ -124,7 +126,7 @@ def solver_faces() -> list[Face]:
         "QuadraticProgram",
     ):
         kind = getattr(solvers, name)
-        problem = contact if name == "ConvexFriction" else lcp
+        problem = {"ConvexFriction": contact, "ConicFixedPoint": _in_space, "FacetedCone": _in_space}.get(name, lcp)
         out += [
             Face(name, kind, dict),
             Face(f"{name}.solve", kind.solve, lambda problem=problem: {"problem": problem()}, kind),

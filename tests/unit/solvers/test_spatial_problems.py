@@ -10,6 +10,7 @@ import scipy.sparse
 from lcpflex import solvers
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, SpatialContactProblem, Status, UserSolver, accept
+from tests.cone_problems import planted
 
 STICKING = SpatialContactProblem(np.diag([2.0, 1.0, 1.0]), [-1.0, 0.1, 0.05], [0.3], ["foot"])
 PLANAR = [
@@ -20,25 +21,6 @@ PLANAR = [
     "PrincipalPivoting",
     "QuadraticProgram",
 ]
-
-
-def planted(rng, n, columns=None):
-    """A problem of n contacts by its factor, and a solution with open, sticking and sliding contacts."""
-    J = rng.standard_normal((3 * n, 3 * n + 2 if columns is None else columns))
-    mu = np.where(rng.random(n) < 0.2, 0.0, rng.uniform(0.05, 2.0, n))
-    r, u = np.zeros((n, 3)), np.zeros((n, 3))
-    state = rng.integers(3, size=n)
-    for k in range(n):
-        direction = rng.standard_normal(2)
-        direction /= np.linalg.norm(direction)
-        if state[k] == 0:
-            u[k] = [rng.uniform(0.1, 1.0), *rng.standard_normal(2)]
-        else:
-            pressed = rng.uniform(0.1, 1.0)
-            slides = state[k] == 2 or mu[k] == 0.0
-            r[k] = [pressed, *(-mu[k] * pressed * (1.0 if slides else 0.7) * direction)]
-            u[k, 1:] = rng.uniform(0.1, 1.0) * direction if slides else 0.0
-    return SpatialContactProblem(J @ J.T, u.ravel() - J @ (J.T @ r.ravel()), mu, factor=J), r.ravel()
 
 
 def by_definition(problem, r):
