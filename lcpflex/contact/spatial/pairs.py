@@ -1,13 +1,56 @@
-"""Gaps, normals, rows and biases of contact pairs in space."""
+"""Gaps, normals, rows W and biases w of contact pairs in space: gdot = W^T u, gddot = W^T udot + w.
+
+Whatever touches, each side is a mean of material points of one body and a lever from there to the place of contact,
+
+    v_rel = (v_i + Omega_i x l_i) - (v_j + Omega_j x l_j),   gdot_d = d.v_rel for d = n, t1, t2 = n x t1,
+
+with l = -rho n of a node (sphere) or edge of body i with radius rho, R c - rho n of a rim, and R n of a sphere, capsule
+or bore of body j. With b_rel the rate of v_rel at udot = 0, the sliding of both feet being in it,
+
+    w_d = d.b_rel + ddot.v_rel,   t1dot = -(t1.ndot) n + sigma t2,   t2dot = -(t2.ndot) n - sigma t1.
+
+How ndot, sigma and the sliding follow from a kind of pair is in :mod:`lcpflex.contact.spatial.narrow_phase`. Sources:
+Ericson 2005 (closest features); Pfeiffer & Glocker 1996 (the plane); the equations were checked against differences.
+"""
 
 from __future__ import annotations
 
 import math
 
-from lcpflex.contact.spatial.table import SpatialContactTable
+from lcpflex.contact.spatial.narrow_phase.edge import edge_turning, refresh_edge
+from lcpflex.contact.spatial.narrow_phase.edges import edges_turning, refresh_edges
+from lcpflex.contact.spatial.narrow_phase.facet import plane_slip, plane_turn, refresh_facet
+from lcpflex.contact.spatial.narrow_phase.point import point_turning, refresh_point
+from lcpflex.contact.spatial.narrow_phase.rim import lowest_on_rim, refresh_rim, rim_axis, rim_rate
+from lcpflex.contact.spatial.narrow_phase.sides import (
+    AT_REST,
+    Frame,
+    Mean,
+    Motion,
+    frame_motion,
+    frame_of,
+    lay_side,
+    mean_motion,
+    mean_place,
+    mean_spin,
+    mean_velocity,
+    point_spin,
+    single,
+    world_place,
+)
+from lcpflex.contact.spatial.narrow_phase.turning import NO_TURN, Turning
+from lcpflex.contact.spatial.table import (
+    EDGE_EDGE,
+    NODE_EDGE,
+    NODE_FACET,
+    NODE_POINT,
+    RIM_FACET,
+    SpatialContactTable,
+)
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.kinematics.spatial.rotations import Vector
-from lcpflex.model.spatial import SpatialModel
+from lcpflex.kinematics.spatial.rotations import Vector, cross
+from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, row_vector, scaled
+from lcpflex.model.spatial import SpatialModel, SpatialPoints
 
 __all__ = ["contact_bias", "contact_point", "contact_rows", "foot_margin", "gap_rate", "node_margin", "refresh"]
 
@@ -15,14 +58,72 @@ __all__ = ["contact_bias", "contact_point", "contact_rows", "foot_margin", "gap_
 @kernel
 def refresh(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> None:
     """Gap, normal, tangent and foot of entry k at q, with its features kept."""
+    points = model.points
+    kind = table.kind[k]
+    i = frame_of(model.bodies, q, table.body[k, 0])
+    j = frame_of(model.bodies, q, table.body[k, 1])
+    if kind == NODE_FACET:
+        refresh_facet(points, q, i, j, table, k)
+    elif kind == NODE_EDGE:
+        refresh_edge(points, q, i, j, table, k)
+    elif kind == NODE_POINT:
+        refresh_point(points, q, i, j, table, k)
+    elif kind == EDGE_EDGE:
+        refresh_edges(points, q, i, j, table, k)
+    else:
+        refresh_rim(points, q, i, j, table, k)
 
 
 @kernel
-def contact_bias(
-    model: SpatialModel, q: FloatArray, u: FloatArray, table: SpatialContactTable, k: int
-) -> tuple[float, float, float]:
-    """w_N and w_T along both tangents of entry k [m/s^2]."""
-    return 0.0, 0.0, 0.0
+def mean_on_i(table: SpatialContactTable, k: int) -> Mean:
+    """What of body i touches in entry k: a node, the foot on its edge, or the centre of a rim."""
+    p = table.point[k, 0]
+    if table.kind[k] != EDGE_EDGE:
+        return single(p)
+    s = table.foot[k, 0]
+    return Mean(2, p, table.point[k, 1], p, (1.0 - s, s, 0.0))
+
+
+@kernel
+def mean_on_j(table: SpatialContactTable, k: int) -> Mean:
+    """What of body j is touched in entry k: the foot in its facet or on its edge, a vertex, the centre of a sphere."""
+    kind = table.kind[k]
+    if kind == NODE_POINT:
+        return single(table.point[k, 1])
+    first = 1 if kind in (NODE_FACET, NODE_EDGE) else 2
+    a = table.point[k, first]
+    b = table.point[k, first + 1]
+    if kind in (NODE_EDGE, EDGE_EDGE):
+        s = table.foot[k, 0 if kind == NODE_EDGE else 1]
+        return Mean(2, a, b, a, (1.0 - s, s, 0.0))
+    x, y = table.foot[k, 0], table.foot[k, 1]
+    return Mean(3, a, b, table.point[k, first + 2], (1.0 - x - y, x, y))
+
+
+@kernel
+def lever_on_i(
+    points: SpatialPoints, q: FloatArray, frame: Frame, table: SpatialContactTable, k: int, n: Vector
+) -> Vector:
+    """From there to the place of contact [m], world axes."""
+    lever = scaled(-table.radius[k, 0], n)
+    if table.kind[k] != RIM_FACET:
+        return lever
+    c, _ = lowest_on_rim(rim_axis(points, q, frame, table.point[k, 0], table.point[k, 1]), n)
+    return added(lever, scaled(table.radius[k, 2], c))
+
+
+@kernel
+def radius_of_j(table: SpatialContactTable, k: int) -> float:
+    """Radius of the feature of body j [m]; facets have none."""
+    kind = table.kind[k]
+    return 0.0 if kind in (NODE_FACET, RIM_FACET) else table.radius[k, 1]
+
+
+@kernel
+def clear_block(row: FloatArray) -> None:
+    """Set a block to 0."""
+    for c in range(len(row)):
+        row[c] = 0.0
 
 
 @kernel
@@ -35,7 +136,140 @@ def contact_rows(
     first: FloatArray,
     second: FloatArray,
 ) -> None:
-    """Rows of entry k, (2, width) each: blocks for body i and body j; a block on the ground stays 0."""
+    """Rows of entry k, (2, width) each: blocks for body i and body j; a block on the ground is 0."""
+    points = model.points
+    n, t = row_vector(table.normal, k), row_vector(table.tangent, k)
+    for side in range(2):
+        b = table.body[k, side]
+        if b < 0:
+            clear_block(normal[side])
+            clear_block(first[side])
+            clear_block(second[side])
+            continue
+        frame = frame_of(model.bodies, q, b)
+        if side == 0:
+            mean = mean_on_i(table, k)
+            lever = lever_on_i(points, q, frame, table, k, n)
+            lay_side(points, q, frame, mean, lever, 1.0, n, t, normal[0], first[0], second[0])
+        else:
+            mean = mean_on_j(table, k)
+            lever = scaled(radius_of_j(table, k), n)
+            lay_side(points, q, frame, mean, lever, -1.0, n, t, normal[1], first[1], second[1])
+
+
+@kernel
+def turning_of(
+    points: SpatialPoints, q: FloatArray, u: FloatArray, frames: tuple[Frame, Frame], motions: tuple[Motion, Motion],
+    table: SpatialContactTable, k: int, n: Vector, t: Vector, dv: Vector,
+) -> Turning:  # fmt: skip
+    """Of entry k, whose feet move past each other with dv, but for those of rims."""
+    kind = table.kind[k]
+    point = table.point
+    if kind == NODE_FACET:
+        if table.body[k, 1] < 0:
+            return NO_TURN
+        turn = plane_turn(points, q, u, frames[1], motions[1], point[k, 1], point[k, 2], point[k, 3], n, t)
+        return plane_slip(turn, dv, table.gap[k] + table.radius[k, 0])
+    if kind == NODE_EDGE:
+        return edge_turning(points, q, u, frames[1], motions[1], table, k, n, t, dv)
+    if kind == NODE_POINT:
+        return point_turning(frames[1], motions[1], table, k, n, t, dv)
+    return edges_turning(points, q, u, frames, motions, table, k, n, t, dv)
+
+
+@kernel
+def lever_motion(spin: Vector, turn: Vector, lever: Vector, rate: Vector) -> tuple[Vector, Vector]:
+    """Omega x l, and its rate at udot = 0."""
+    return cross(spin, lever), added(cross(turn, lever), cross(spin, rate))
+
+
+@kernel
+def rim_motion(
+    points: SpatialPoints, q: FloatArray, u: FloatArray, frames: tuple[Frame, Frame], motions: tuple[Motion, Motion],
+    table: SpatialContactTable, k: int, n: Vector, t: Vector, dv: Vector,
+) -> tuple[Vector, Vector, Turning]:  # fmt: skip
+    """What the lever R c of a rim adds to v_rel and b_rel, and the turning of entry k; dv: of its centre."""
+    point = table.point
+    plane = plane_turn(points, q, u, frames[1], motions[1], point[k, 2], point[k, 3], point[k, 4], n, t)
+    spin, turn = point_spin(points, q, u, frames[0], motions[0], point[k, 0])
+    R = table.radius[k, 2]
+    c, rate = rim_rate(rim_axis(points, q, frames[0], point[k, 0], point[k, 1]), n, spin, plane.ndot)
+    v, b = lever_motion(spin, turn, scaled(R, c), scaled(R, rate))
+    lowest = added(dv, scaled(R, rate))
+    return v, b, plane_slip(plane, lowest, table.gap[k] + table.radius[k, 0])
+
+
+@kernel
+def along_axes(n: Vector, t: Vector, turning: Turning, v: Vector, b: Vector) -> tuple[float, float, float]:
+    """w along n, t1 and t2 of v_rel = v and b_rel = b."""
+    w = cross(n, t)
+    along_n, along_t, along_w = dot(n, v), dot(t, v), dot(w, v)
+    ndot = turning.ndot
+    return (
+        dot(n, b) + dot(ndot, v),
+        dot(t, b) - dot(t, ndot) * along_n + turning.spin * along_w,
+        dot(w, b) - dot(w, ndot) * along_n - turning.spin * along_t,
+    )
+
+
+@kernel
+def contact_bias(
+    model: SpatialModel, q: FloatArray, u: FloatArray, table: SpatialContactTable, k: int
+) -> tuple[float, float, float]:
+    """w_N and w_T along both tangents of entry k [m/s^2]."""
+    bodies, points = model.bodies, model.points
+    n, t = row_vector(table.normal, k), row_vector(table.tangent, k)
+    i, j = table.body[k, 0], table.body[k, 1]
+    frames = (frame_of(bodies, q, i), frame_of(bodies, q, j))
+    motions = (frame_motion(bodies, u, i), frame_motion(bodies, u, j))
+    on_i, on_j = mean_on_i(table, k), mean_on_j(table, k)
+    of_i = mean_motion(points, q, u, frames[0], motions[0], on_i) if i >= 0 else AT_REST
+    of_j = mean_motion(points, q, u, frames[1], motions[1], on_j) if j >= 0 else AT_REST
+    v, b = apart_from(of_i.v, of_j.v), apart_from(of_i.b, of_j.b)
+    if table.kind[k] == RIM_FACET:
+        more, bias, turning = rim_motion(points, q, u, frames, motions, table, k, n, t, v)
+        v, b = added(v, more), added(b, bias)
+    else:
+        turning = turning_of(points, q, u, frames, motions, table, k, n, t, v)
+    b = added(b, turning.slip)
+    radius = table.radius[k, 0]
+    if radius != 0.0 and i >= 0:
+        spin, turn = mean_spin(points, q, u, frames[0], motions[0], on_i, turning.slide_i)
+        more, bias = lever_motion(spin, turn, scaled(-radius, n), scaled(-radius, turning.ndot))
+        v, b = added(v, more), added(b, bias)
+    radius = radius_of_j(table, k)
+    if radius != 0.0 and j >= 0:
+        spin, turn = mean_spin(points, q, u, frames[1], motions[1], on_j, turning.slide_j)
+        more, bias = lever_motion(spin, turn, scaled(radius, n), scaled(radius, turning.ndot))
+        v, b = apart_from(v, more), apart_from(b, bias)
+    return along_axes(n, t, turning, v, b)
+
+
+@kernel
+def gap_rate(model: SpatialModel, q: FloatArray, u: FloatArray, table: SpatialContactTable, k: int) -> float:
+    """Rate of the gap of entry k [m/s]."""
+    bodies, points = model.bodies, model.points
+    n = row_vector(table.normal, k)
+    rate = 0.0
+    i, j = table.body[k, 0], table.body[k, 1]
+    if i >= 0:
+        frame, motion = frame_of(bodies, q, i), frame_motion(bodies, u, i)
+        rate = dot(n, mean_velocity(points, q, u, frame, motion, mean_on_i(table, k)))
+        if table.kind[k] == RIM_FACET:
+            spin, _ = point_spin(points, q, u, frame, motion, table.point[k, 0])
+            rate += dot(n, cross(spin, lever_on_i(points, q, frame, table, k, n)))
+    if j >= 0:
+        frame, motion = frame_of(bodies, q, j), frame_motion(bodies, u, j)
+        rate -= dot(n, mean_velocity(points, q, u, frame, motion, mean_on_j(table, k)))
+    return rate
+
+
+@kernel
+def contact_point(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> Vector:
+    """Where entry k touches [m], world axes: the point of body i nearest to the feature of body j."""
+    frame = frame_of(model.bodies, q, table.body[k, 0])
+    place = world_place(frame, mean_place(model.points, q, frame, mean_on_i(table, k)))
+    return added(place, lever_on_i(model.points, q, frame, table, k, row_vector(table.normal, k)))
 
 
 @kernel
@@ -48,15 +282,3 @@ def foot_margin(model: SpatialModel, q: FloatArray, table: SpatialContactTable, 
 def node_margin(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> float:
     """How far the foot of entry k is inside what its node is."""
     return math.inf
-
-
-@kernel
-def gap_rate(model: SpatialModel, q: FloatArray, u: FloatArray, table: SpatialContactTable, k: int) -> float:
-    """Rate of the gap of entry k [m/s]."""
-    return 0.0
-
-
-@kernel
-def contact_point(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> Vector:
-    """Where entry k touches [m], world axes."""
-    return 0.0, 0.0, 0.0

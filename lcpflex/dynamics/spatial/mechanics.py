@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from lcpflex.contact.spatial.pairs import contact_bias, contact_rows
 from lcpflex.dynamics.delassus import apply_impulses
 from lcpflex.dynamics.spatial.applied_forces import applied_forces, spring_energy
 from lcpflex.dynamics.spatial.body_forces import elastic_forces, inertial_forces, stored_energies, weight_forces
@@ -88,15 +89,46 @@ def whiten_rows(model: SpatialModel, work: SpatialWork, first: int, last: int) -
 
 @kernel
 def fill_contact_rows(model: SpatialModel, q: FloatArray, n: int, n_joint: int, work: SpatialWork) -> int:
-    """Rows of n contacts; how many of these are tangential. Spatial scenes have no contacts, n is 0."""
-    return 0
+    """Rows of the first n contacts of the table at q, behind the joint rows: normals, then tangents where mu > 0.
+
+    Two tangential rows a contact, t1 and t2 = n x t1, one behind the other. Returns how many there are.
+    """
+    table, rows, row_body = work.table, work.rows, work.row_body
+    scratch = len(rows) - 2
+    n_tangent = 0
+    for k in range(n):
+        mu = model.contacts.friction[table.law[k]]
+        work.mu[k] = mu
+        r = n_joint + k
+        s = scratch
+        if mu > 0.0:
+            s = n_joint + n + n_tangent
+            work.tangent[n_tangent] = k
+            work.tangent[n_tangent + 1] = k
+            n_tangent += 2
+        contact_rows(model, q, table, k, rows[r], rows[s], rows[s + 1])
+        for i in range(2):
+            b = table.body[k, i]
+            row_body[r, i] = b
+            row_body[s, i] = b
+            row_body[s + 1, i] = b
+    return n_tangent
 
 
 @kernel
 def contact_biases(
     model: SpatialModel, q: FloatArray, u: FloatArray, n: int, n_tangent: int, n_joint: int, work: SpatialWork
 ) -> None:
-    """Biases of the rows of n contacts: of none."""
+    """bias[r] = w_N and both w_T of the contact rows laid out by ``fill_contact_rows``."""
+    tangent = 0
+    first = n_joint + n
+    for k in range(n):
+        along_n, along_t, along_w = contact_bias(model, q, u, work.table, k)
+        work.bias[n_joint + k] = along_n
+        if tangent < n_tangent and work.tangent[tangent] == k:
+            work.bias[first + tangent] = along_t
+            work.bias[first + tangent + 1] = along_w
+            tangent += 2
 
 
 @kernel

@@ -1,0 +1,316 @@
+"""A side of a contact in space: a mean of material points of one body, and a lever from there to where it touches.
+
+    r = sum_a w_a r_a,   v = L u = sum_a w_a L_a u + (sum_a w_a Omega_a) x lever
+
+The weights w_a, which sum to 1, and the lever are frozen in a row: they slide with the contact in its bias alone.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.spatial.rotations import Matrix, Vector, cross, rotation_matrix, tangent, tangent_rate
+from lcpflex.kinematics.spatial.vectors import (
+    IDENTITY,
+    NOTHING,
+    added,
+    apart_from,
+    is_zero,
+    scaled,
+    turned,
+    turned_back,
+)
+from lcpflex.model.spatial import N_PLACE, N_RIGID, SpatialBodies, SpatialPoints
+
+__all__ = [
+    "AT_REST",
+    "Frame",
+    "Mean",
+    "MeanMotion",
+    "Motion",
+    "frame_motion",
+    "frame_of",
+    "lay_side",
+    "line_between",
+    "line_rate",
+    "mean_motion",
+    "mean_place",
+    "mean_spin",
+    "mean_velocity",
+    "place_in",
+    "point_spin",
+    "seen_from",
+    "single",
+    "world_place",
+]
+
+
+class Frame(NamedTuple):
+    """Of a body; of the ground, the world."""
+
+    origin: Vector  # R [m]
+    A: Matrix
+    modal: int  # where its modal coordinates begin in q
+
+
+class Motion(NamedTuple):
+    """Of a frame."""
+
+    v: Vector  # [m/s], world axes
+    omega: Vector  # [rad/s], body axes
+    modal: int  # where its modal velocities begin in u
+
+
+class Mean(NamedTuple):
+    """Material points a, b, c of one body, ``number`` of them, and their weights."""
+
+    number: int
+    a: int
+    b: int
+    c: int
+    w: Vector
+
+
+class MeanMotion(NamedTuple):
+    """Of a mean of material points with frozen weights: rdot = v, rddot = L udot + b; world axes."""
+
+    v: Vector  # [m/s]
+    b: Vector  # [m/s^2]
+
+
+GROUND = Frame(NOTHING, IDENTITY, 0)
+STILL = Motion(NOTHING, NOTHING, 0)
+AT_REST = MeanMotion(NOTHING, NOTHING)
+
+
+@kernel
+def single(p: int) -> Mean:
+    """Point p alone."""
+    return Mean(1, p, p, p, (1.0, 0.0, 0.0))
+
+
+@kernel
+def frame_of(bodies: SpatialBodies, q: FloatArray, b: int) -> Frame:
+    """Of body b; -1: the ground."""
+    if b < 0:
+        return GROUND
+    at = bodies.place[b]
+    A = rotation_matrix(q[at + 3], q[at + 4], q[at + 5], q[at + 6])
+    return Frame((q[at], q[at + 1], q[at + 2]), A, at + N_PLACE)
+
+
+@kernel
+def frame_motion(bodies: SpatialBodies, u: FloatArray, b: int) -> Motion:
+    """Of body b; -1: the ground."""
+    if b < 0:
+        return STILL
+    d = bodies.dof[b]
+    return Motion((u[d], u[d + 1], u[d + 2]), (u[d + 3], u[d + 4], u[d + 5]), d + N_RIGID)
+
+
+@kernel
+def is_rigid(points: SpatialPoints, p: int) -> bool:
+    """Whether the body of point p has no modes, or is the ground."""
+    return bool(points.start[p + 1] == points.start[p])
+
+
+@kernel
+def modal_sum(points: SpatialPoints, field: FloatArray, p: int, values: FloatArray, modal: int) -> Vector:
+    """Phi e or Psi e of point p, the field being phi or psi, for the e that begin at ``modal`` of ``values``."""
+    x = y = z = 0.0
+    start = points.start[p]
+    for k in range(points.start[p + 1] - start):
+        e = values[modal + k]
+        x += field[start + k, 0] * e
+        y += field[start + k, 1] * e
+        z += field[start + k, 2] * e
+    return x, y, z
+
+
+@kernel
+def place_in(points: SpatialPoints, q: FloatArray, frame: Frame, p: int) -> Vector:
+    """s of point p [m], in its frame."""
+    place = points.place[p, 0], points.place[p, 1], points.place[p, 2]
+    if is_rigid(points, p):
+        return place
+    return added(place, modal_sum(points, points.phi, p, q, frame.modal))
+
+
+@kernel
+def world_place(frame: Frame, s: Vector) -> Vector:
+    """R + A s [m]."""
+    return added(frame.origin, turned(frame.A, s))
+
+
+@kernel
+def seen_from(frame: Frame, r: Vector) -> Vector:
+    """A^T (r - R) [m]."""
+    return turned_back(frame.A, apart_from(r, frame.origin))
+
+
+@kernel
+def flow_in(points: SpatialPoints, u: FloatArray, motion: Motion, p: int) -> Vector:
+    """Phi etadot of point p [m/s], in its frame."""
+    if is_rigid(points, p):
+        return NOTHING
+    return modal_sum(points, points.phi, p, u, motion.modal)
+
+
+@kernel
+def weighted(mean: Mean, a: Vector, b: Vector, c: Vector) -> Vector:
+    """The mean of three vectors."""
+    return added(added(scaled(mean.w[0], a), scaled(mean.w[1], b)), scaled(mean.w[2], c))
+
+
+@kernel
+def mean_place(points: SpatialPoints, q: FloatArray, frame: Frame, mean: Mean) -> Vector:
+    """Mean s [m], in the frame."""
+    a = place_in(points, q, frame, mean.a)
+    if mean.number == 1:
+        return a
+    b = place_in(points, q, frame, mean.b)
+    return weighted(mean, a, b, place_in(points, q, frame, mean.c) if mean.number == 3 else NOTHING)
+
+
+@kernel
+def mean_flow(points: SpatialPoints, u: FloatArray, motion: Motion, mean: Mean) -> Vector:
+    """Mean Phi etadot [m/s], in the frame."""
+    a = flow_in(points, u, motion, mean.a)
+    if mean.number == 1 or is_rigid(points, mean.a):
+        return a
+    b = flow_in(points, u, motion, mean.b)
+    return weighted(mean, a, b, flow_in(points, u, motion, mean.c) if mean.number == 3 else NOTHING)
+
+
+@kernel
+def mean_velocity(
+    points: SpatialPoints, q: FloatArray, u: FloatArray, frame: Frame, motion: Motion, mean: Mean
+) -> Vector:
+    """v [m/s], world axes."""
+    sweep = cross(motion.omega, mean_place(points, q, frame, mean))
+    return added(motion.v, turned(frame.A, added(sweep, mean_flow(points, u, motion, mean))))
+
+
+@kernel
+def mean_motion(
+    points: SpatialPoints, q: FloatArray, u: FloatArray, frame: Frame, motion: Motion, mean: Mean
+) -> MeanMotion:
+    """v and b, the weights being frozen."""
+    sweep = cross(motion.omega, mean_place(points, q, frame, mean))
+    if is_rigid(points, mean.a):
+        return MeanMotion(added(motion.v, turned(frame.A, sweep)), turned(frame.A, cross(motion.omega, sweep)))
+    flow = mean_flow(points, u, motion, mean)
+    bias = cross(motion.omega, added(sweep, scaled(2.0, flow)))
+    return MeanMotion(added(motion.v, turned(frame.A, added(sweep, flow))), turned(frame.A, bias))
+
+
+@kernel
+def point_spin(
+    points: SpatialPoints, q: FloatArray, u: FloatArray, frame: Frame, motion: Motion, p: int
+) -> tuple[Vector, Vector]:
+    """Omega of the material at point p [rad/s], and Omegadot at udot = 0 [rad/s^2]; world axes."""
+    if is_rigid(points, p):
+        return turned(frame.A, motion.omega), NOTHING
+    psi = modal_sum(points, points.psi, p, q, frame.modal)
+    rate = modal_sum(points, points.psi, p, u, motion.modal)
+    spin = turned(tangent(psi[0], psi[1], psi[2]), rate)
+    turn = added(cross(motion.omega, spin), turned(tangent_rate(psi, rate), rate))
+    return turned(frame.A, added(motion.omega, spin)), turned(frame.A, turn)
+
+
+@kernel
+def mean_spin(
+    points: SpatialPoints, q: FloatArray, u: FloatArray, frame: Frame, motion: Motion, mean: Mean, slide: float
+) -> tuple[Vector, Vector]:
+    """Mean Omega of one point, or of two whose second weight grows by ``slide`` [1/s]; and its rate at udot = 0."""
+    spin, turn = point_spin(points, q, u, frame, motion, mean.a)
+    if mean.number == 1 or is_rigid(points, mean.a):
+        return spin, turn
+    other, rate = point_spin(points, q, u, frame, motion, mean.b)
+    turn = added(weighted(mean, turn, rate, NOTHING), scaled(slide, apart_from(other, spin)))
+    return weighted(mean, spin, other, NOTHING), turn
+
+
+@kernel
+def line_between(points: SpatialPoints, q: FloatArray, frame: Frame, a: int, b: int) -> Vector:
+    """s_b - s_a [m], in the frame."""
+    return apart_from(place_in(points, q, frame, b), place_in(points, q, frame, a))
+
+
+@kernel
+def line_rate(
+    points: SpatialPoints, u: FloatArray, frame: Frame, motion: Motion, a: int, b: int, line: Vector
+) -> Vector:
+    """Rate of r_b - r_a [m/s], world axes; line: s_b - s_a."""
+    rate = cross(motion.omega, line)
+    if not is_rigid(points, a):
+        rate = added(rate, apart_from(flow_in(points, u, motion, b), flow_in(points, u, motion, a)))
+    return turned(frame.A, rate)
+
+
+@kernel
+def lay_block(row: FloatArray, sign: float, d: Vector, moment: Vector) -> None:
+    """Set a block to sign times what v and omega do along d; its modal part to 0."""
+    for i in range(3):
+        row[i] = sign * d[i]
+        row[3 + i] = sign * moment[i]
+    for i in range(N_RIGID, len(row)):
+        row[i] = 0.0
+
+
+@kernel
+def add_modes(points: SpatialPoints, field: FloatArray, p: int, d: Vector, row: FloatArray) -> None:
+    """Add Phi_k.d or Psi_k.d of all modes k, d in the frame."""
+    start = points.start[p]
+    for k in range(points.start[p + 1] - start):
+        row[N_RIGID + k] += field[start + k, 0] * d[0] + field[start + k, 1] * d[1] + field[start + k, 2] * d[2]
+
+
+@kernel
+def add_material(
+    points: SpatialPoints, q: FloatArray, frame: Frame, p: int, weight: float, lever: Vector, d: Vector,
+    row: FloatArray,
+) -> None:  # fmt: skip
+    """Add what the modes do at point p along d with a lever, both in the frame."""
+    add_modes(points, points.phi, p, scaled(weight, d), row)
+    if not is_zero(lever):
+        psi = modal_sum(points, points.psi, p, q, frame.modal)
+        moment = turned_back(tangent(psi[0], psi[1], psi[2]), cross(lever, d))
+        add_modes(points, points.psi, p, scaled(weight, moment), row)
+
+
+@kernel
+def add_mean(
+    points: SpatialPoints, q: FloatArray, frame: Frame, mean: Mean, sign: float, lever: Vector, d: Vector,
+    row: FloatArray,
+) -> None:  # fmt: skip
+    """Add what the modes do to a mean of points along d, in the frame."""
+    add_material(points, q, frame, mean.a, sign * mean.w[0], lever, d, row)
+    if mean.number > 1:
+        add_material(points, q, frame, mean.b, sign * mean.w[1], lever, d, row)
+    if mean.number > 2:
+        add_material(points, q, frame, mean.c, sign * mean.w[2], lever, d, row)
+
+
+@kernel
+def lay_side(
+    points: SpatialPoints, q: FloatArray, frame: Frame, mean: Mean, lever: Vector, sign: float, n: Vector, t: Vector,
+    normal: FloatArray, first: FloatArray, second: FloatArray,
+) -> None:  # fmt: skip
+    """Set the blocks of a side in the rows along n, t1 = t and t2 = n x t1 to sign times its velocity along them.
+
+    lever, n, t: world axes.
+    """
+    w = cross(n, t)
+    a, b = turned_back(frame.A, n), turned_back(frame.A, t)
+    c = cross(a, b)
+    inner = turned_back(frame.A, lever)
+    arm = added(mean_place(points, q, frame, mean), inner)
+    lay_block(normal, sign, n, cross(arm, a))
+    lay_block(first, sign, t, cross(arm, b))
+    lay_block(second, sign, w, cross(arm, c))
+    if not is_rigid(points, mean.a):
+        add_mean(points, q, frame, mean, sign, inner, a, normal)
+        add_mean(points, q, frame, mean, sign, inner, b, first)
+        add_mean(points, q, frame, mean, sign, inner, c, second)
