@@ -77,6 +77,22 @@ class Surface:
         first, last = (float(self.points[k].place[1]) == 0.0 for k in (0, -1))
         return self.mirrored and first, self.mirrored and last
 
+    def can_touch(self, other: Surface) -> bool:
+        """See :func:`can_touch`."""
+        return can_touch(self, other)
+
+    def can_be_node_side(self, other: Surface) -> bool:
+        """See :func:`can_be_node_side`."""
+        return can_be_node_side(self, other)
+
+    def partners(self) -> str:
+        """What contacts need, in words."""
+        return "a node, disc or chain on one side"
+
+    def node_sides(self) -> str:
+        """What can be a node side, in words."""
+        return "a node, disc, solid arc or chain, and no node for the other one"
+
 
 def node(point: MaterialPoint, radius: float = 0.0) -> Surface:
     """A single material point, or a disc about it."""

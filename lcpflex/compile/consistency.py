@@ -187,7 +187,7 @@ def _refuse_violation(
     return told
 
 
-def refuse_penetration(model: Model, q: FloatArray, layout: Layout, hard: set[str], size: float) -> None:
+def refuse_penetration(model: Any, q: FloatArray, layout: Layout, hard: set[str], size: float) -> None:
     """Raise ModelError for the deepest initial penetration beyond tolerance of a contact that is ``hard``, or by rule.
 
     A rule that is not listed is hard.

@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from lcpflex.contact.detection import ContactTable, contact_table, detect
 from lcpflex.contact.rows import contact_rows
 from lcpflex.contact.rule_pairs import rule_pairs
+from lcpflex.contact.spatial.table import spatial_contact_table
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Contacts, Model
+from lcpflex.model.layout import is_spatial
 
 __all__ = ["near", "normal_row", "surfaces_of"]
 
 
-def near(model: Model, q: FloatArray, margin: float) -> tuple[ContactTable, int]:
+def near(model: Any, q: FloatArray, margin: float) -> tuple[Any, int]:
     """Pairs with gaps up to ``margin`` [m], in a packed model, and how many they are."""
     capacity = 64
     pairs = rule_pairs(model.contacts)
+    make: Any = spatial_contact_table if is_spatial(model) else contact_table
     while True:
-        table = contact_table(capacity, len(model.contacts.surface_body), pairs=pairs, touching=-math.inf)
+        table = make(capacity, len(model.contacts.surface_body), pairs=pairs, touching=-math.inf)
         found = int(detect(model, q, margin, table))
         if found <= capacity:
             return table, found

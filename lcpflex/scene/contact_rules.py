@@ -6,7 +6,6 @@ import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from lcpflex.bodies.surface import can_be_node_side, can_touch
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.force_laws.law import Law
 from lcpflex.scene.declared import ContactRule, DeclaredContact
@@ -38,7 +37,7 @@ class KeptRule:
                 continue
             for j, b in enumerate(self.surfaces):
                 pair = (i, j) if i < j else (j, i)
-                if a.body != b.body and can_touch(a.shape, b.shape) and pair not in barred:
+                if a.body != b.body and a.shape.can_touch(b.shape) and pair not in barred:
                     name, contact = _by_rule(self.rule, *(self.surfaces[k] for k in pair))
                     found[name] = contact
                     break
@@ -77,7 +76,7 @@ def by_rules(
         left_out = _excluded_pairs(rule, candidates)
         for pair in pairs:
             a, b = (candidates[k] for k in pair)
-            if a.body != b.body and pair not in taken and can_touch(a.shape, b.shape) and pair not in left_out:
+            if a.body != b.body and pair not in taken and a.shape.can_touch(b.shape) and pair not in left_out:
                 taken.add(pair)
                 name, contact = _by_rule(rule, a, b)
                 found[name] = contact
@@ -152,8 +151,8 @@ def contact_between(
     for argument, surface in (("a", a), ("b", b)):
         if not isinstance(surface, PlacedSurface):
             raise ModelError(
-                f"{argument}: {shown(surface)} was given, expected a surface such as body.surface() or "
-                "scene.ground.half_plane((0, 0), (0, 1))"
+                f"{argument}: {shown(surface)} was given, expected a surface such as body.surface() or a method of "
+                "scene.ground"
             )
         check_own(scene, argument, surface)
     if a.label == b.label:
@@ -161,10 +160,10 @@ def contact_between(
     if a.body == b.body:
         where = "on the ground" if a.body < 0 else "on the same body"
         raise ModelError(f"contact: {a.label!r} and {b.label!r} are both {where}, expected surfaces of two bodies")
-    if not can_touch(a.shape, b.shape):
+    if not a.shape.can_touch(b.shape):
         raise ModelError(
             f"contact: {a.label!r} (a {a.shape.kind.value}) and {b.label!r} (a {b.shape.kind.value}) were given, "
-            "which cannot touch each other, expected a node, disc or chain on one side"
+            f"which cannot touch each other, expected {a.shape.partners()}"
         )
     other = between.get(frozenset((a.label, b.label)))
     if other is not None:
@@ -204,10 +203,10 @@ def _check_node_side(node_side: PlacedSurface | None, a: PlacedSurface, b: Place
         given = repr(node_side.label) if isinstance(node_side, PlacedSurface) else shown(node_side)
         raise ModelError(f"node_side: {given} was given, expected one of the two surfaces, {a.label!r} or {b.label!r}")
     other = b if chosen == a.label else a
-    if not can_be_node_side(node_side.shape, other.shape):
+    if not node_side.shape.can_be_node_side(other.shape):
         raise ModelError(
             f"node_side: {node_side.label!r} (a {node_side.shape.kind.value}) was given for {other.label!r} (a "
-            f"{other.shape.kind.value}), expected a node, disc, solid arc or chain, and no node for the other one"
+            f"{other.shape.kind.value}), expected {node_side.shape.node_sides()}"
         )
 
 

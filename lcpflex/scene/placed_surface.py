@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lcpflex.bodies.body import MaterialPoint
-from lcpflex.bodies.surface import Surface
 from lcpflex.errors import ModelError, shown
-
-if TYPE_CHECKING:
-    from lcpflex.scene.handles import Placed
 
 __all__ = ["PlacedSurface", "check_own"]
 
@@ -23,8 +19,8 @@ class PlacedSurface:
     scene: object = field(repr=False)  # identity of the scene
     body: int  # index of the body, -1 for the ground
     label: str  # unique in the scene, such as "pendulum.outline"
-    shape: Surface = field(repr=False)
-    again: Callable[[Placed], PlacedSurface] = field(repr=False)  # makes it on another body in the place of this one
+    shape: Any = field(repr=False)  # a Surface, or a SpatialSurface
+    again: Callable[[Any], PlacedSurface] = field(repr=False)  # makes it on another body in the place of this one
     disc: tuple[MaterialPoint, float] | None = field(default=None, repr=False)  # centre and radius, to be drawn
 
 

@@ -82,7 +82,7 @@ class Slot:
 
     def _aside(self, place: FloatArray, a: FloatArray, b: FloatArray, to_ends: float) -> float:
         """Distance from the middle line, which runs from a to b."""
-        track = self.inner.shape
+        track: shapes.Surface = self.inner.shape
         if track.kind is shapes.Kind.CHAIN:
             along = (b - a) / np.hypot(*(b - a))
             s = float(along @ (place - a))

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lcpflex.bodies.spatial.shapes import CapsuleShape, CylinderShape, Shape, SphereShape, SurfaceShape
 from lcpflex.compile.compiled_scene import CompiledScene, Layout
-from lcpflex.compile.consistency import consistent_start
+from lcpflex.compile.consistency import consistent_start, refuse_penetration
 from lcpflex.compile.spatial.assembly import SpatialAssembly
 from lcpflex.compile.spatial.bodies import compile_spatial_bodies
+from lcpflex.compile.spatial.contacts import compile_spatial_contacts
 from lcpflex.compile.spatial.joints import compile_spatial_joints
 from lcpflex.compile.spatial.loads import compile_spatial_loads
 from lcpflex.compile.spatial.sensors import compiled_spatial_sensor
@@ -18,7 +20,7 @@ from lcpflex.dynamics.spatial.state import SpatialState
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import frozen
-from lcpflex.model.spatial import SpatialModel, no_spatial_contacts
+from lcpflex.model.spatial import SpatialModel
 from lcpflex.scene.spatial.scene import SpatialParts
 
 if TYPE_CHECKING:
@@ -27,8 +29,13 @@ if TYPE_CHECKING:
 __all__ = ["compiled_spatial_scene"]
 
 
-def compiled_spatial_scene(scene: SpatialScene, project: bool) -> CompiledScene:
-    """The scene as arrays. Raises ModelError for a start that cannot be."""
+def compiled_spatial_scene(
+    scene: SpatialScene, project: bool, indents: Callable[[str], bool] | None = None
+) -> CompiledScene:
+    """The scene as arrays. Raises ModelError for a start that cannot be.
+
+    ``indents``: which contacts may indent each other at the start, by their names.
+    """
     parts = scene.parts()
     if not parts.placed:
         raise ModelError("scene: it has no body, expected at least one: scene.add(...)")
@@ -43,11 +50,12 @@ def compiled_spatial_scene(scene: SpatialScene, project: bool) -> CompiledScene:
     }
     joints = compile_spatial_joints(parts.joints, assembly, project)
     loads = compile_spatial_loads(scene.gravity, parts.loads, assembly)
+    contacts = compile_spatial_contacts(parts.contacts, parts.surfaces, assembly)
     signals, callbacks = assembly.signals.compile()
-    model = SpatialModel(bodies, assembly.points.compile(), signals, joints, loads, no_spatial_contacts())
+    model = SpatialModel(bodies, assembly.points.compile(), signals, joints, loads, contacts)
     layout = Layout(
         bodies=tuple(p.name for p in parts.placed),
-        contacts=(),
+        contacts=tuple(parts.contacts),
         joints=tuple(parts.joints),
         outlines=(),
         circles=(),
@@ -63,6 +71,9 @@ def compiled_spatial_scene(scene: SpatialScene, project: bool) -> CompiledScene:
     size = spatial_size(parts, model, q)
     if parts.joints:
         q, u = consistent_start(model, parts.joints, q, u, external, size, project)
+    if parts.contacts:
+        hard = {name for name, one in parts.contacts.items() if one.law is None and not (indents and indents(name))}
+        refuse_penetration(model, q.copy(), layout, hard, size)
     return CompiledScene(
         model,
         layout,
@@ -71,7 +82,7 @@ def compiled_spatial_scene(scene: SpatialScene, project: bool) -> CompiledScene:
         size,
         len(external),
         callbacks,
-        (),
+        tuple(contact.law for contact in parts.contacts.values()),
         assembly.signals.functions,
         recovery=tuple(body.recovery for body in parts.bodies),
         sensors=tuple(compiled_spatial_sensor(name, one, bodies, layout) for name, one in parts.sensors.items()),

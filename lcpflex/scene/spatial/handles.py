@@ -3,23 +3,31 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from operator import methodcaller
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
-from lcpflex.basics.arguments import absent
+from lcpflex.basics.arguments import absent, array_of, positive
 from lcpflex.bodies.placed_point import PlacedPoint
+from lcpflex.bodies.spatial import surface as surfaces
 from lcpflex.bodies.spatial.body import SpatialPoint
+from lcpflex.bodies.spatial.surface import SpatialKind, SpatialSurface
 from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.scene.placed_surface import PlacedSurface
 
 if TYPE_CHECKING:
     from lcpflex.bodies.spatial.body import SpatialBody
     from lcpflex.jit.kernel import FloatArray
+    from lcpflex.scene.handles import Register
 
 __all__ = ["SpatialPlaced"]
+
+Place = str | PlacedPoint | npt.ArrayLike
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,7 +42,7 @@ class SpatialPlaced:
     body: int  # index in the scene, -1 for the ground
     source: SpatialBody | None = field(repr=False)  # None for the ground
     start: tuple[FloatArray, FloatArray] = field(repr=False)  # (7 + n,) configuration and (6 + n,) velocity
-    scene: object = field(repr=False)
+    scene: Register = field(repr=False)
 
     def point(self, name: str) -> PlacedPoint:
         """A named point of the body."""
@@ -60,3 +68,78 @@ class SpatialPlaced:
             material = self.source.locate(*place)
         label = f"{self.name}.at({', '.join(f'{value:g}' for value in place)})"
         return PlacedPoint(self.scene, self.body, label, material, methodcaller("at", *place))
+
+    def surface(self) -> PlacedSurface:
+        """The whole surface of the body, as its shape tells: a sphere, a capsule, or triangles."""
+        shape = None if self.source is None or self.source.shape is None else surfaces.surface_of(self.source.shape)
+        if shape is None:
+            held = "the ground" if self.source is None else f"{shown(self.name)} with the shape {self._shape_name()}"
+            raise ModelError(
+                f"surface: {held} has none that can be touched, expected a Sphere, Cuboid, Capsule, ConvexHull or "
+                "mesh; make one with sphere, node, hole or plane"
+            )
+        return PlacedSurface(self.scene, self.body, f"{self.name}.surface", shape, methodcaller("surface"))
+
+    def sphere(self, center: Place, radius: float) -> PlacedSurface:
+        """A ball of ``radius`` > 0 [m] that moves with the material at ``center``, solid inside."""
+        return self._round("sphere", SpatialKind.SPHERE, center, radius)
+
+    def hole(self, center: Place, radius: float) -> PlacedSurface:
+        """A spherical hole of ``radius`` > 0 [m] that moves with the material at ``center``, solid outside."""
+        return self._round("hole", SpatialKind.HOLE, center, radius)
+
+    def node(self, point: Place) -> PlacedSurface:
+        """A single material point that may touch other surfaces."""
+        shape = SpatialSurface(SpatialKind.NODE, (self._located(point, "point"),))
+        return self._made("node", shape, partial(_again, "node", point, ()))
+
+    def plane(self, point: Place, normal: npt.ArrayLike) -> PlacedSurface:
+        """Everything behind the plane through ``point`` is solid; ``normal`` (3,) points out of it.
+
+        On a body it is fixed in the material at ``point``.
+        """
+        direction = array_of("normal", normal, (3,))
+        if not direction.any():
+            raise ModelError(f"normal: {shown(normal)} was given, expected a direction (x, y, z), not all 0")
+        place = self._located(point, "point")
+        if not place.turns:
+            raise ModelError("point: a plane turns with its point, expected one whose rotation is known")
+        made = surfaces.plane(place, direction / np.abs(direction).max())
+        return self._made("plane", made, partial(_again, "plane", point, (direction,)))
+
+    def _round(self, method: str, kind: SpatialKind, center: Place, radius: float) -> PlacedSurface:
+        shape = SpatialSurface(kind, (self._located(center, "center"),), positive("radius", radius))
+        return self._made(method, shape, partial(_again, method, center, (radius,)))
+
+    def _made(self, kind: str, shape: SpatialSurface, again: Callable[[Any], PlacedSurface]) -> PlacedSurface:
+        surface = PlacedSurface(self.scene, self.body, self.scene.label(f"{self.name}.{kind}"), shape, again)
+        self.scene.keep(surface)
+        return surface
+
+    def _shape_name(self) -> str:
+        shape = None if self.source is None else self.source.shape
+        return "None" if shape is None else type(shape).__name__
+
+    def _located(self, place: Place, argument: str) -> SpatialPoint:
+        """The material point that a name, a point of this body or three numbers tell."""
+        if isinstance(place, str):
+            found: SpatialPoint = self.point(place).material
+            return found
+        if isinstance(place, PlacedPoint):
+            if place.scene is not self.scene or place.body != self.body:
+                raise ModelError(f"{argument}: {shown(place.label)} was given, expected a point of {shown(self.name)}")
+            given: SpatialPoint = place.material
+            return given
+        x, y, z = array_of(argument, place, (3,))
+        made: SpatialPoint = self.at(float(x), float(y), float(z)).material
+        return made
+
+
+# What makes a surface again is kept with it, and is pickled with the scene: functions of this module, no inner ones.
+
+
+def _again(kind: str, place: Place, rest: tuple[Any, ...], body: SpatialPlaced) -> PlacedSurface:
+    """The surface of that kind at the same place of another body."""
+    there = place.again(body) if isinstance(place, PlacedPoint) else place
+    surface: PlacedSurface = getattr(body, kind)(there, *rest)
+    return surface

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import warnings
+from collections import Counter
+from collections.abc import Callable
 from copy import deepcopy
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.arguments import absent, array_of, flag, numbers
+from lcpflex.basics.arguments import absent, array_of, flag, numbers, told_by
 from lcpflex.bodies.body import Body
 from lcpflex.bodies.spatial.body import SpatialBody
 from lcpflex.errors import ModelError, ModelWarning, shown
+from lcpflex.force_laws.law import Law
 from lcpflex.scene import compiling
+from lcpflex.scene.contact_rules import contact_between
+from lcpflex.scene.declared import DeclaredContact
 from lcpflex.scene.naming import free_name
-from lcpflex.scene.placed_surface import check_own
+from lcpflex.scene.placed_surface import PlacedSurface, check_own
 from lcpflex.scene.sensors.sensor import Sensor, check_placed_sensor
 from lcpflex.scene.spatial.handles import SpatialPlaced
 from lcpflex.scene.spatial.orientation import matrix_of, quaternion_of
@@ -38,6 +43,8 @@ class SpatialParts(NamedTuple):
     joints: dict[str, SpatialJoint]
     loads: tuple[SpatialLoad, ...]
     sensors: dict[str, Sensor]
+    contacts: dict[str, DeclaredContact]
+    surfaces: tuple[PlacedSurface, ...]  # made by hand on bodies and the ground
 
     @property
     def bodies(self) -> tuple[SpatialBody, ...]:
@@ -49,7 +56,7 @@ class SpatialScene:
     """A spatial scene under construction.
 
     Bodies move in three dimensions: q has 7 + n numbers a body, u has 6 + n (:mod:`lcpflex.model.spatial`). The verbs
-    are those of the planar :class:`lcpflex.Scene`; contacts are not offered in space yet.
+    are those of the planar :class:`lcpflex.Scene`.
 
     Parameters
     ----------
@@ -69,6 +76,10 @@ class SpatialScene:
         self._joints: dict[str, SpatialJoint] = {}
         self._loads: list[SpatialLoad] = []
         self._sensors: dict[str, Sensor] = {}
+        self._surfaces: list[PlacedSurface] = []
+        self._contacts: dict[str, DeclaredContact] = {}
+        self._between: dict[frozenset[str], str] = {}  # name of the contact between two surfaces, by their labels
+        self._made: Counter[str] = Counter()  # surfaces made of each kind, by their labels without the number
 
     def __getstate__(self) -> dict[str, Any]:
         """All of it; functions of the user by their names, ModelError for one that cannot be found by it."""
@@ -158,33 +169,80 @@ class SpatialScene:
         self._sensors[name] = sensor
         return name
 
-    def contact(self, *surfaces: object, **options: object) -> str:
-        """Contact is planar so far: ModelError, whatever the surfaces and options."""
-        raise ModelError("contact: a SpatialScene takes no contacts yet, expected a planar Scene for them")
+    def contact(
+        self,
+        a: PlacedSurface,
+        b: PlacedSurface,
+        friction: float = 0.0,
+        restitution: float = 0.0,
+        tangential_restitution: float = 0.0,
+        name: str | None = None,
+        *,
+        node_side: PlacedSurface | None = None,
+        law: Law | None = None,
+    ) -> str:
+        """Declare that two surfaces may touch; returns the name of the contact (contact1, contact2, ... if omitted).
 
-    contact_all = contact
+        Friction is Coulomb's, isotropic: the exact cone |friction force| <= mu normal force, without torsional or
+        rolling friction.
 
-    def compile(self, project: bool = False) -> CompiledScene:
+        friction: mu >= 0; restitution: Newton's e_N in [0, 1]; tangential_restitution: e_T in [0, 1]. ``node_side``,
+        one of a and b: its points touch the features of the other, and no more. ``law``: a continuous contact force, as
+        in :meth:`lcpflex.Scene.contact`.
+        """
+        declared = contact_between(
+            self, self._between, a, b, friction, restitution, tangential_restitution, node_side, law
+        )
+        name = free_name("contact", name, self._contacts)
+        self._contacts[name] = declared
+        self._between[frozenset((a.label, b.label))] = name
+        return name
+
+    def compile(self, project: bool = False, indents: Callable[[str], bool] | None = None) -> CompiledScene:
         """Check the scene as a whole and compile it; the scene is not changed.
 
         With ``project``, an initial state that violates joints is moved onto them (nearest in the mass metric); else it
-        is an error.
+        is an error. So is an initial penetration, but of contacts by a force law, and of those that ``indents`` names.
         """
-        compiled = self.compiled(flag("project", project))
+        if indents is not None and (isinstance(indents, type) or not callable(indents)):
+            raise ModelError(f"indents: {shown(indents)} was given, expected a function of the name of a contact")
+        compiled = self.compiled(flag("project", project), None if indents is None else told_by("indents", indents))
         for warning in compiled.warnings:
             warnings.warn(warning, ModelWarning, stacklevel=2)
         return compiled
 
-    def compiled(self, project: bool = False, indents: object = None, gives_way: bool = False) -> CompiledScene:
+    def compiled(
+        self, project: bool = False, indents: Callable[[str], bool] | None = None, gives_way: bool = False
+    ) -> CompiledScene:
         """:meth:`compile` without a word: its warnings are those of the result.
 
-        project: as in :meth:`compile`. indents, gives_way: of contacts, of which there are none.
+        project, indents: as in :meth:`compile`. gives_way: of bodies that are reduced with their scene, of which there
+        are none.
         """
-        return compiling.compiled_spatial_scene(self, project)
+        return compiling.compiled_spatial_scene(self, project, indents)
 
     def parts(self) -> SpatialParts:
         """What has been declared, in the order in which it was."""
-        return SpatialParts(tuple(self._placed.values()), dict(self._joints), tuple(self._loads), dict(self._sensors))
+        return SpatialParts(
+            tuple(self._placed.values()),
+            dict(self._joints),
+            tuple(self._loads),
+            dict(self._sensors),
+            dict(self._contacts),
+            tuple(self._surfaces),
+        )
+
+    def keep(self, surface: PlacedSurface) -> None:
+        """Take note of a surface that was made on a body or the ground of this scene."""
+        self._surfaces.append(surface)
+        self._made[surface.label.rstrip("0123456789")] += 1
+
+    def label(self, stem: str) -> str:
+        """A label for the next surface of that kind: its number is appended.
+
+        stem: the label without its number.
+        """
+        return f"{stem}{1 + self._made[stem]}"
 
     def holder(self, body: int) -> SpatialPlaced:
         """The body with that index, the ground for -1."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from functools import cache
 from typing import Any
 
@@ -33,10 +32,27 @@ def _sensor(sensor: Any = None) -> Any:
     return given["P"].scene.sensor(lf.sensors.Point(given["P"]) if sensor is None else sensor)
 
 
-def _contact() -> None:
-    """There are none yet, which is said."""
-    with suppress(lf.ModelError):
-        lf.SpatialScene().contact()
+def _surfaces() -> dict[str, Any]:
+    scene = lf.SpatialScene()
+    ball = scene.add(lf.Sphere(0.1, mass=1.0), name="ball", position=(0.0, 0.0, 0.5))
+    return {"a": ball.surface(), "b": scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))}
+
+
+def _contact(
+    friction: Any = 0.0,
+    restitution: Any = 0.0,
+    tangential_restitution: Any = 0.0,
+    node_side: Any = None,
+    law: Any = None,
+) -> Any:
+    given = _surfaces()
+    numbers = {"friction": friction, "restitution": restitution, "tangential_restitution": tangential_restitution}
+    return given["a"].scene.contact(**given, **numbers, node_side=node_side, law=law)
+
+
+def _sides(a: Any = None, b: Any = None) -> Any:
+    given = _surfaces()
+    return given["a"].scene.contact(given["a"] if a is None else a, given["b"] if b is None else b)
 
 
 def spatial_parts_faces() -> list[Face]:
@@ -55,6 +71,9 @@ def spatial_parts_faces() -> list[Face]:
         made.add(lf.Sphere(0.1, mass=1.0), name="ball")
         return made
 
+    def placed() -> Any:
+        return scene().body("ball")
+
     @cache
     def result() -> lf.Result:
         return lf.simulate(scene(), 0.003, lf.MoreauJean(step=1e-3), progress=False)
@@ -67,7 +86,11 @@ def spatial_parts_faces() -> list[Face]:
         Face("SpatialScene.load", _load, lambda: {"load": None}),
         Face("SpatialScene.sensor", _sensor, lambda: {"sensor": None}),
         Face("SpatialScene.contact", _contact, dict),
-        Face("SpatialScene.contact_all", _contact, dict),
+        Face("SpatialScene.contact of", _sides, lambda: {"a": None, "b": None}),
+        Face("SpatialPlaced.plane", placed().plane, lambda: {"point": (0.0, 0.0, 0.0), "normal": axis}),
+        Face("SpatialPlaced.sphere", placed().sphere, lambda: {"center": (0.0, 0.0, 0.0), "radius": 0.1}),
+        Face("SpatialPlaced.hole", placed().hole, lambda: {"center": (0.0, 0.0, 0.0), "radius": 0.1}),
+        Face("SpatialPlaced.node", placed().node, lambda: {"point": (0.0, 0.0, 0.0)}),
         told("momentum", body="ball"),
         told("orientation", body="ball"),
         told("angular_velocity", body="ball", axes="body"),

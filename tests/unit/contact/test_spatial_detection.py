@@ -1,0 +1,86 @@
+"""What touches in space, and by what gap: against closed forms."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+import lcpflex as lf
+from lcpflex.contact.near import near
+from lcpflex.contact.spatial.table import NODE_FACET, NODE_POINT
+from lcpflex.jit.struct import pack
+
+PLACE, TURN = np.array([0.3, -0.2, 0.5]), Rotation.from_rotvec([0.4, 0.7, -0.2])
+
+
+def found(scene: lf.SpatialScene, margin: float = 10.0) -> tuple[Any, int]:
+    compiled = scene.compile(indents=lambda name: True)
+    return near(pack(compiled.model), compiled.q.copy(), margin)
+
+
+def test_corners_of_a_box_have_their_heights_above_a_plane_as_gaps() -> None:
+    scene = lf.SpatialScene()
+    box = scene.add(lf.Cuboid(0.1, 0.2, 0.3, mass=1.0), position=PLACE, orientation=TURN)
+    normal = np.array([0.1, -0.3, 0.9]) / np.linalg.norm([0.1, -0.3, 0.9])
+    scene.contact(box.surface(), scene.ground.plane((0.0, 0.0, 0.1), normal))
+    table, n = found(scene)
+    corners = np.array([[x, y, z] for x in (-0.05, 0.05) for y in (-0.1, 0.1) for z in (-0.15, 0.15)])
+    heights = (PLACE + TURN.apply(corners) - [0.0, 0.0, 0.1]) @ normal
+    assert n == 8
+    assert set(table.kind[:n]) == {NODE_FACET}
+    assert len(set(table.key[:n])) == 8
+    np.testing.assert_allclose(np.sort(table.gap[:n]), np.sort(heights), atol=1e-15)
+
+
+def test_of_contacts_those_within_the_margin_are_found() -> None:
+    scene = lf.SpatialScene()
+    box = scene.add(lf.Cuboid(0.1, 0.2, 0.3, mass=1.0), position=(0.0, 0.0, 0.15))
+    scene.contact(box.surface(), scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    assert [found(scene, margin)[1] for margin in (-1e-9, 1e-9, 0.299, 0.301)] == [0, 4, 4, 8]
+
+
+def test_spheres_touch_spheres_and_holes_about_points_of_turned_bodies() -> None:
+    scene = lf.SpatialScene()
+    ball = scene.add(lf.Sphere(0.1, mass=1.0), position=PLACE, orientation=TURN)
+    other = scene.add(lf.Sphere(0.2, mass=1.0), position=-PLACE, orientation=TURN.inv())
+    knob, cave = ball.sphere((0.0, 0.3, 0.0), 0.05), other.hole((0.0, 0.0, 0.4), 3.0)
+    scene.contact(ball.surface(), other.surface())
+    scene.contact(knob, cave)
+    scene.contact(other.sphere((0.0, 0.3, 0.0), 0.05), ball.node((0.1, 0.0, 0.0)))
+    table, n = found(scene)
+    center, hollow = PLACE + TURN.apply([0.0, 0.3, 0.0]), -PLACE + TURN.inv().apply([0.0, 0.0, 0.4])
+    tip, nub = PLACE + TURN.apply([0.1, 0.0, 0.0]), -PLACE + TURN.inv().apply([0.0, 0.3, 0.0])
+    expected = [
+        2.0 * np.linalg.norm(PLACE) - 0.3,
+        3.0 - 0.05 - np.linalg.norm(center - hollow),
+        np.linalg.norm(tip - nub) - 0.05,
+    ]
+    assert n == 3
+    assert set(table.kind[:n]) == {NODE_POINT}
+    np.testing.assert_allclose(table.gap[:n], expected, atol=1e-15)
+    np.testing.assert_array_equal(table.sense[:n], [1.0, -1.0, 1.0])
+    np.testing.assert_array_equal(table.law[:n], [0, 1, 2])
+
+
+def test_a_capsule_touches_planes_and_holes_by_its_ends() -> None:
+    scene = lf.SpatialScene()
+    rod = scene.add(lf.Capsule(0.1, 0.6, mass=1.0), position=PLACE, orientation=TURN)
+    scene.contact(rod.surface(), scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    scene.contact(rod.surface(), scene.ground.hole((0.0, 0.0, 0.0), 2.0))
+    table, n = found(scene)
+    ends = PLACE + TURN.apply([[0.0, 0.0, -0.3], [0.0, 0.0, 0.3]])
+    expected = [*(ends[:, 2] - 0.1), *(2.0 - 0.1 - np.linalg.norm(ends, axis=1))]
+    np.testing.assert_allclose(table.gap[:n], expected, atol=1e-15)
+
+
+def test_a_plane_moves_with_its_body() -> None:
+    scene = lf.SpatialScene()
+    tray = scene.add(lf.Cuboid(1.0, 1.0, 0.1, mass=1.0), position=PLACE, orientation=TURN)
+    ball = scene.add(lf.Sphere(0.1, mass=1.0), position=(0.0, 0.0, 1.0))
+    scene.contact(tray.plane("top", (0.0, 0.0, 1.0)), ball.surface())
+    table, n = found(scene)
+    up = TURN.apply([0.0, 0.0, 1.0])
+    assert n == 1
+    assert abs(table.gap[0] - ((np.array([0.0, 0.0, 1.0]) - PLACE) @ up - 0.05 - 0.1)) < 1e-15
