@@ -1,0 +1,276 @@
+"""Newton's method on Alart and Curnier's function, and the proximal point iteration that rescues it.
+
+For contacts in units of their own (:meth:`SpatialContactProblem.balanced`), in which the diagonal of W_kk is 1 at most.
+Three things make the iteration robust: those units; a Jacobian that is made with W + delta I, the function itself with
+W, so that an operator of half its rank (many contacts of few bodies) needs no least squares; and a line search that
+may lose against the last value if it wins against one of the last four. Where it stalls,
+
+    W r + q + alpha (r - r_k)   instead of   W r + q,   r_k the last point,
+
+is solved: the smaller alpha, the nearer to the problem itself, and the harder. Alpha falls while that succeeds.
+Sources: Alart & Curnier 1991; Acary, Bremond & Huber 2018 (comparison of solvers); Rockafellar 1976 (proximal points).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.contact.cones.alart_curnier import contact_miss, lengths, mixed_rows
+from lcpflex.solvers.contact.cones.certificate import natural_miss
+from lcpflex.solvers.contact.cones.linear import solve_general
+
+__all__ = ["ConeWork", "cone_work", "direction", "distance", "expired", "look", "measure", "newton", "proximal"]
+
+SHIFT = 1e-10  # of the Jacobian's W, whose largest diagonal entries are 1
+STRONGER = 100.0  # growth of that shift where the step is absurd
+STRONGEST = 1.0
+ABSURD = 1e6  # length of a step, relative to the forces
+HALVINGS = 12
+DESCENT = 1e-4  # share of the step that the function must fall by
+MEMORY = 4  # values one of which must be beaten
+FIRST_PULL, FALL, WEAKEST, STRONGEST_PULL = 0.1, 5.0, 1e-9, 10.0  # alpha: at first, how it changes, its bounds
+TRIED = 40  # Newton steps for one proximal point
+ENOUGH = 1e-3  # residual of a proximal point relative to that of the problem
+ROUNDING = 1e-13  # what is left of the function of a proximal point at best
+POLISHING = 5  # Newton steps for the problem itself from the last proximal point
+
+
+class ConeWork(NamedTuple):
+    """Space for n contacts, m = 3 n rows: arrays may be larger."""
+
+    rho: FloatArray  # (n, 2)
+    velocity: FloatArray  # (m,) W r + q + alpha (r - r_k)
+    miss: FloatArray  # (m,) F
+    step: FloatArray  # (m,)
+    point: FloatArray  # (m,) where Newton's method is
+    trial: FloatArray  # (m,)
+    centre: FloatArray  # (m,) r_k
+    best: FloatArray  # (m,)
+    table: FloatArray  # (m, m) the Jacobian, if that is dense
+    small: FloatArray  # (22,) two blocks and the last values
+    pivots: IntArray  # (m,)
+
+
+def cone_work(n: int, dense: bool = True) -> ConeWork:
+    """Space for problems of n contacts; without that of a dense Jacobian if it is not to be ``dense``."""
+    m = 3 * n
+    u, miss, step, point, trial, centre, best = np.zeros((7, m))
+    side = m if dense else 0
+    table, small, pivots = np.zeros((side, side)), np.zeros(18 + MEMORY), np.zeros(m, dtype=np.int64)
+    return ConeWork(np.ones((n, 2)), u, miss, step, point, trial, centre, best, table, small, pivots)
+
+
+@kernel
+def expired() -> bool:
+    """Whether the time is up: never where there is no clock."""
+    return False
+
+
+@kernel
+def measure(W: FloatArray, n: int, alpha: float, work: ConeWork) -> None:
+    """work.rho of all contacts, with W + alpha I."""
+    for k in range(n):
+        i = 3 * k
+        work.rho[k, 0], work.rho[k, 1] = lengths(
+            W[i, i] + alpha, W[i + 1, i + 1] + alpha, W[i + 1, i + 2], W[i + 2, i + 1], W[i + 2, i + 2] + alpha
+        )
+
+
+@kernel
+def look(
+    W: FloatArray, free: FloatArray, friction: FloatArray, n: int, alpha: float, forces: FloatArray, work: ConeWork
+) -> float:
+    """work.velocity and work.miss of forces (m,) with W + alpha I and free - alpha work.centre; |F|."""
+    m = 3 * n
+    for i in range(m):
+        row, total = W[i], 0.0
+        for j in range(m):
+            total += row[j] * forces[j]
+        work.velocity[i] = total + free[i] + alpha * (forces[i] - work.centre[i])
+    return misses(friction, n, forces, work)
+
+
+@kernel
+def misses(friction: FloatArray, n: int, forces: FloatArray, work: ConeWork) -> float:
+    """work.miss from work.velocity, and its length."""
+    total, u, rho, F = 0.0, work.velocity, work.rho, work.miss
+    for k in range(n):
+        i = 3 * k
+        F[i], F[i + 1], F[i + 2] = contact_miss(
+            forces[i], forces[i + 1], forces[i + 2], u[i], u[i + 1], u[i + 2], friction[k], rho[k, 0], rho[k, 1]
+        )
+        total += F[i] * F[i] + F[i + 1] * F[i + 1] + F[i + 2] * F[i + 2]
+    return math.sqrt(total)
+
+
+@kernel
+def distance(free: FloatArray, friction: FloatArray, n: int, forces: FloatArray, work: ConeWork) -> float:
+    """The strict residual of the forces, whose velocities (alpha = 0) are in ``work``."""
+    worst, load, u = 0.0, 0.0, work.velocity
+    for k in range(n):
+        i = 3 * k
+        miss = natural_miss(
+            forces[i], forces[i + 1], forces[i + 2], u[i], u[i + 1], u[i + 2], friction[k], 1.0
+        )  # fmt: skip
+        worst = max(worst, miss)
+        load = max(load, max(abs(free[i]), max(abs(free[i + 1]), abs(free[i + 2]))))
+    if worst == 0.0:
+        return 0.0
+    return worst / load if load > 0.0 else np.inf
+
+
+@kernel
+def direction(W: FloatArray, friction: FloatArray, n: int, shift: float, forces: FloatArray, work: ConeWork) -> float:
+    """work.step = -(I - P (I - rho (W + shift I)))^-1 F; its largest entry, inf where the matrix is singular."""
+    m, u, rho = 3 * n, work.velocity, work.rho
+    keep, take, table = work.small[:9], work.small[9:18], work.table
+    for k in range(n):
+        i = 3 * k
+        mixed_rows(
+            forces[i], forces[i + 1], forces[i + 2], u[i], u[i + 1], u[i + 2],
+            friction[k], rho[k, 0], rho[k, 1], keep, take,
+        )  # fmt: skip
+        for a in range(3):
+            t_n, t_1, t_2 = take[3 * a], take[3 * a + 1], take[3 * a + 2]
+            row = table[i + a]
+            for j in range(m):
+                row[j] = 0.0
+            if t_n != 0.0 or t_1 != 0.0 or t_2 != 0.0:
+                first, second, third = W[i], W[i + 1], W[i + 2]
+                for j in range(m):
+                    row[j] = t_n * first[j] + t_1 * second[j] + t_2 * third[j]
+                row[i] += t_n * shift
+                row[i + 1] += t_1 * shift
+                row[i + 2] += t_2 * shift
+            for b in range(3):
+                row[i + b] += keep[3 * a + b]
+            work.step[i + a] = -work.miss[i + a]
+    return solve_general(table, work.step, m, work.pivots)
+
+
+@kernel
+def _moved(point: FloatArray, share: float, step: FloatArray, m: int, out: FloatArray) -> float:
+    """out = point + share step; the largest entry of the point."""
+    largest = 0.0
+    for i in range(m):
+        largest = max(largest, abs(point[i]))
+        out[i] = point[i] + share * step[i]
+    return largest
+
+
+@kernel
+def _copied(source: FloatArray, m: int, target: FloatArray) -> None:
+    for i in range(m):
+        target[i] = source[i]
+
+
+@kernel
+def _largest(last: FloatArray) -> float:
+    most = 0.0
+    for i in range(MEMORY):
+        most = max(most, last[i])
+    return most
+
+
+@kernel
+def newton(
+    W: FloatArray,
+    free: FloatArray,
+    friction: FloatArray,
+    n: int,
+    alpha: float,
+    forces: FloatArray,
+    goal: float,
+    limit: int,
+    work: ConeWork,
+) -> tuple[float, int]:
+    """Newton's method for W + alpha I and free - alpha work.centre; (least |F| found, linear systems solved).
+
+    W (cap, cap) dense, in units of the contacts; forces (cap,): from where, and out the best point. Ends at |F| <=
+    goal, after ``limit`` systems, or where no step helps.
+    """
+    m, point, solved = 3 * n, work.point, 0
+    last = work.small[18:]
+    measure(W, n, alpha, work)
+    _copied(forces, m, point)
+    value = look(W, free, friction, n, alpha, point, work)
+    least, count = value, 0
+    for i in range(MEMORY):
+        last[i] = value if i == 0 else 0.0
+    while value > goal and solved < limit and not expired():
+        shift, length = SHIFT, np.inf
+        size = _moved(point, 0.0, point, m, work.trial)
+        while not length <= ABSURD * max(size, 1.0) and shift <= STRONGEST and solved < limit:
+            length = direction(W, friction, n, alpha + shift, point, work)
+            solved += 1
+            shift *= STRONGER
+        if not length <= ABSURD * max(size, 1.0):
+            break
+        share, beaten, most = 1.0, False, _largest(last)
+        for _ in range(HALVINGS):
+            _moved(point, share, work.step, m, work.trial)
+            value = look(W, free, friction, n, alpha, work.trial, work)
+            if value <= most * (1.0 - DESCENT * share):
+                beaten = True
+                break
+            share *= 0.5
+        if not beaten:
+            break
+        _copied(work.trial, m, point)
+        count += 1
+        last[count % MEMORY] = value
+        if value < least:
+            least = value
+            _copied(point, m, forces)
+    return least, solved
+
+
+@kernel
+def proximal(
+    W: FloatArray,
+    free: FloatArray,
+    friction: FloatArray,
+    n: int,
+    forces: FloatArray,
+    tolerance: float,
+    limit: int,
+    work: ConeWork,
+) -> tuple[float, int]:
+    """Proximal points until the strict residual is within the tolerance; (that, linear systems solved).
+
+    Arrays as in :func:`newton`; forces: from where, and out the best point.
+    """
+    m, solved, alpha = 3 * n, 0, FIRST_PULL
+    look(W, free, friction, n, 0.0, forces, work)
+    least = distance(free, friction, n, forces, work)
+    _copied(forces, m, work.best)
+    while least > tolerance and solved < limit and not expired():
+        _copied(forces, m, work.centre)
+        left, steps = newton(W, free, friction, n, alpha, forces, ROUNDING, min(TRIED, limit - solved), work)
+        solved += max(steps, 1)
+        look(W, free, friction, n, 0.0, forces, work)
+        residual = distance(free, friction, n, forces, work)
+        reached = left <= max(ROUNDING, ENOUGH * residual)
+        if residual < least and (reached or residual <= tolerance):
+            least = residual
+            _copied(forces, m, work.best)
+        if not reached:
+            _copied(work.centre, m, forces)
+            alpha = min(alpha * FALL, STRONGEST_PULL)
+            continue
+        alpha = max(alpha / FALL, WEAKEST)
+    _copied(work.best, m, forces)
+    if least <= tolerance:
+        _, steps = newton(W, free, friction, n, 0.0, forces, ROUNDING, POLISHING, work)
+        solved += steps
+        look(W, free, friction, n, 0.0, forces, work)
+        residual = distance(free, friction, n, forces, work)
+        if not residual <= least:
+            _copied(work.best, m, forces)
+            residual = least
+        least = residual
+    return least, solved

@@ -1,0 +1,135 @@
+"""The kernels that solve many spatial contacts: sweeps, Newton's method, proximal points; dense and by blocks."""
+
+import numpy as np
+import pytest
+import scipy.sparse
+
+from lcpflex.solvers.contact.cones.alart_curnier import contact_miss, mixed_rows
+from lcpflex.solvers.contact.cones.blocks import ConeBlocks, newton_on_blocks, proximal_on_blocks
+from lcpflex.solvers.contact.cones.linear import solve_general
+from lcpflex.solvers.contact.cones.newton import cone_work, newton, proximal
+from lcpflex.solvers.contact.cones.sweeps import sweep_cone_blocks, sweep_cone_factor, sweep_cones
+from tests.cones import heap, tower
+
+RNG = np.random.default_rng(7)
+
+
+def swept(problem, sweeps):
+    """Forces and slip after so many sweeps from zero on the dense operator."""
+    n = len(problem.friction)
+    forces, slip = np.zeros(3 * n), np.zeros(n)
+    W, free, friction, _ = problem.data
+    sweep_cones(W, free, friction, n, forces, slip, np.zeros(9), sweeps, 0.0)
+    return forces, slip
+
+
+@pytest.mark.parametrize("n", [1, 2, 7, 40])
+def test_linear_systems_are_solved(n):
+    A, b = RNG.normal(size=(n + 2, n + 2)), RNG.normal(size=n + 2)
+    A[0, 0] = 0.0 if n > 1 else 1.0
+    x = b.copy()
+    largest = solve_general(A.copy(), x, n, np.zeros(n, dtype=np.int64))
+    expected = np.linalg.solve(A[:n, :n], b[:n])
+    np.testing.assert_allclose(x[:n], expected, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(largest, np.abs(expected).max(), rtol=1e-9)
+    np.testing.assert_array_equal(x[n:], b[n:])
+
+
+def test_singular_systems_are_told():
+    A = np.outer([1.0, 2.0, 4.0], [1.0, 0.5, 0.25])
+    assert solve_general(A, np.ones(3), 3, np.zeros(3, dtype=np.int64)) == np.inf
+
+
+def test_the_jacobian_is_that_of_the_function():
+    """Against differences, in all three states: keep + take W of F at r with u = W r + q."""
+    W, step = np.array([[1.0, 0.2, -0.1], [0.2, 0.8, 0.3], [-0.1, 0.3, 0.9]]), 1e-6
+    seen = set()
+    for q in RNG.normal(size=(60, 3)):
+        r = np.abs(RNG.normal(size=3))
+
+        def miss(r, q=q):
+            return np.array(contact_miss(*r, *(W @ r + q), 0.6, 1.1, 0.7))
+
+        keep, take = np.zeros(9), np.zeros(9)
+        mixed_rows(*r, *(W @ r + q), 0.6, 1.1, 0.7, keep, take)
+        expected = np.column_stack([(miss(r + d) - miss(r - d)) / (2.0 * step) for d in step * np.eye(3)])
+        np.testing.assert_allclose(keep.reshape(3, 3) + take.reshape(3, 3) @ W, expected, atol=1e-8)
+        seen.add((take[0] > 0.0, take[3] != 0.0))
+    assert seen == {(False, False), (True, False), (True, True)}  # open, sticking, sliding
+
+
+def test_sweeps_are_the_same_on_matrix_blocks_and_factor():
+    problem = tower(3, tilt=0.4, spin=0.3)
+    n = len(problem.friction)
+    forces, slip = swept(problem, 20)
+    blocks = ConeBlocks(problem.delassus)
+    by_blocks, other = np.zeros(3 * n), np.zeros(n)
+    rows = (blocks.first, blocks.other, blocks.block, blocks.own)
+    made, change = sweep_cone_blocks(*rows, *problem.data[1:3], by_blocks, other, 20, 0.0)
+    assert made == 20
+    assert change > 0.0
+    np.testing.assert_allclose(by_blocks, forces, atol=1e-12)
+    np.testing.assert_allclose(other, slip, atol=1e-9)
+    values, vectors = np.linalg.eigh(problem.delassus)
+    J = scipy.sparse.csr_array(vectors * np.sqrt(np.maximum(values, 0.0)))
+    x, by_factor = np.zeros(J.shape[1]), np.zeros(3 * n)
+    sweep_cone_factor(
+        J.indptr.astype(np.int64), J.indices.astype(np.int64), J.data, blocks.own,
+        *problem.data[1:3], x, by_factor, np.zeros(n), 20, 0.0,
+    )  # fmt: skip
+    np.testing.assert_allclose(by_factor, forces, atol=1e-10)
+    np.testing.assert_allclose(x, J.T @ by_factor, atol=1e-12)
+
+
+def test_sweeps_end_at_the_change_asked_for():
+    problem = heap(6, 6)
+    n = len(problem.friction)
+    forces = np.zeros(3 * n)
+    made, change = sweep_cones(*problem.data[:3], n, forces, np.zeros(n), np.zeros(9), 5000, 1e-13)
+    assert made < 5000
+    assert change <= 1e-13
+    assert problem.residual(forces) <= 1e-12
+
+
+def test_unsymmetric_blocks_are_swept_to_their_own_solution():
+    problem = heap(8, 8, seed=1)
+    W = problem.delassus * (1.0 + 0.01 * RNG.normal(size=problem.delassus.shape))
+    other = type(problem)(W, problem.free, problem.friction)
+    n = len(problem.friction)
+    forces = np.zeros(3 * n)
+    sweep_cones(*other.data[:3], n, forces, np.zeros(n), np.zeros(9), 3000, 1e-14)
+    assert other.residual(forces) <= 1e-12
+    assert problem.residual(forces) > 1e-6
+
+
+@pytest.mark.parametrize(
+    "problem", [tower(2, tilt=0.4), tower(5), heap(30, 12, seed=3)], ids=["slides", "falls", "heap"]
+)
+def test_newton_and_proximal_points_dense_and_by_blocks(problem):
+    alike, n = problem.balanced(), len(problem.friction)
+    W, free, friction, _ = alike.data
+    start, _ = swept(alike, 10)
+    found = []
+    for operator, steps, points in ((W, newton, proximal), (ConeBlocks(W), newton_on_blocks, proximal_on_blocks)):
+        work, forces = cone_work(n), start.copy()
+        left, solved = steps(operator, free, friction, n, 0.0, forces, 1e-13, 60, work)
+        assert solved <= 60
+        if left > 1e-10:
+            points(operator, free, friction, n, forces, 1e-12, 500, work)
+        assert alike.residual(forces) <= 1e-12
+        found.append(forces)
+        far = np.zeros(3 * n)  # from nothing, by proximal points alone
+        residual, _ = points(operator, free, friction, n, far, 1e-11, 1000, work)
+        assert residual <= 1e-11
+        assert alike.residuals(far)[1] <= 1e-11
+    velocities = [alike.velocity(forces) for forces in found]
+    np.testing.assert_allclose(*velocities, atol=1e-8)
+
+
+def test_newton_tells_what_it_reached():
+    problem = heap(30, 12, seed=3).balanced()
+    n = len(problem.friction)
+    forces = np.zeros(3 * n)
+    left, solved = newton(*problem.data[:3], n, 0.0, forces, 1e-13, 2, cone_work(n))
+    assert solved == 2
+    assert left > 1e-6
