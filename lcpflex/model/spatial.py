@@ -137,6 +137,8 @@ class SpatialContacts(NamedTuple):
     rule_pass: IntArray  # (1,)
     barred_start: IntArray  # (surfaces of the rule + 1,)
     barred: IntArray
+    # (declared contacts, 2) their surfaces as they were declared: forces are those on the body of the first
+    law_surface: IntArray = frozen([], np.int64, columns=2)
 
 
 def no_spatial_contacts() -> SpatialContacts:

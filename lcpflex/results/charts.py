@@ -25,6 +25,7 @@ __all__ = ["plot", "shown_forces"]
 # Okabe and Ito's colours, told apart with any colour vision.
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 _SHOWN = 6  # contacts drawn in a chart; of more, those with the largest impulses
+_MANY = 5  # panels, from which on each is lower
 _RARE = 0.05  # share of the instants with contact whose forces may be cut in a chart
 _PEAK = 2.5  # times the largest of the others, from which on they are
 _NOTHING = 1e-7  # a share of the peak that is no force beside it
@@ -34,33 +35,32 @@ _ROUNDING = 1e-9  # gaps below that share of the scene are not magnified
 def plot(result: Result) -> Figure:
     """Chart of contact forces [N], gaps [m] and energies [J] over time [s].
 
-    Of many contacts those with the largest normal impulses are shown. Of spatial scenes velocities [m/s] and angular
-    velocities [rad/s] instead of contacts: of one body their components, of several their magnitudes, of many those of
-    the bodies with the largest kinetic energies.
+    Of many contacts those with the largest normal impulses are shown, in space with the size of their friction. Of
+    spatial scenes velocities [m/s] and angular velocities [rad/s], too: of one body their components, of several their
+    magnitudes, of many those of the bodies with the largest kinetic energies.
     """
     if not result.times.size:
         raise ModelError("result: it holds no instant; expected at least one")
     order = np.argsort(-result.impulse[-1, :, 0], kind="stable")[:_SHOWN] if result.contact_names else np.zeros(0, int)
-    panels = [_plot_forces, _plot_gaps, _plot_energies] if order.size else [_plot_energies]
-    space = result.compiled if result.compiled is not None and result.compiled.spatial else None
-    if space is not None:
-        order = bodies_shown(result, _SHOWN)
-        panels = [_plot_speeds, _plot_spins, _plot_energies]
-    figure = libs.Figure(figsize=(9.0, 1.2 + 2.5 * len(panels)), layout="constrained")
+    panels = [(_plot_forces, order), (_plot_gaps, order)] if order.size else []
+    left_out = [(len(result.contact_names) - order.size, "contacts with smaller impulses")]
+    if result.compiled is not None and result.compiled.spatial:
+        bodies = bodies_shown(result, _SHOWN)
+        panels += [(_plot_speeds, bodies), (_plot_spins, bodies)]
+        left_out += [(len(result.compiled.layout.bodies) - bodies.size, "bodies with smaller kinetic energies")]
+    panels += [(_plot_energies, order)]
+    figure = libs.Figure(figsize=(9.0, 1.2 + (2.5 if len(panels) < _MANY else 2.1) * len(panels)), layout="constrained")
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    for panel, ax in zip(panels, axes, strict=True):
-        panel(ax, result, order)
+    for (panel, shown), ax in zip(panels, axes, strict=True):
+        panel(ax, result, shown)
         ax.grid(True, linewidth=0.4, alpha=0.5)
         ax.margins(x=0.0)
         ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize="small")
     axes[-1].set_xlabel("time [s]")
     title = stepper_words(result.stepper)
-    if space is not None:
-        left_out, what = len(space.layout.bodies) - order.size, "bodies with smaller kinetic energies"
-    else:
-        left_out, what = len(result.contact_names) - order.size, "contacts with smaller impulses"
-    if left_out > 0:
-        title += f"\n{left_out} {what} are not shown"
+    hidden = " and ".join(f"{count} {what}" for count, what in left_out if count > 0)
+    if hidden:
+        title += f"\n{hidden} are not shown"
     axes[0].set_title(title, fontsize="medium", loc="left")
     return figure
 
@@ -74,19 +74,27 @@ def _plot_spins(ax: Axes, result: Result, order: IntArray) -> None:
 
 
 def _plot_forces(ax: Axes, result: Result, order: IntArray) -> None:
-    limit, peaks = shown_forces(result.force[:, order])
+    forces = _told(result, order)
+    limit, peaks = shown_forces(forces)
+    what = "tangential" if result.force.shape[2] == 2 else "friction"
     factor, prefix = _prefix(limit)
-    for place, (k, name) in enumerate(zip(order, _names(result, order), strict=True)):
+    for place, name in enumerate(_names(result, order)):
         colour = _COLOURS[place]
-        ax.plot(result.times, result.force[:, k, 0] / factor, color=colour, linewidth=1.2, label=f"{name}, normal")
-        if np.any(result.force[:, k, 1] != 0.0):
-            label = f"{name}, tangential"
-            ax.plot(
-                result.times, result.force[:, k, 1] / factor, color=colour, linewidth=1.2, ls=(0, (4, 2)), label=label
-            )
+        normal, rubbing = forces[:, place].T / factor
+        ax.plot(result.times, normal, color=colour, linewidth=1.2, label=f"{name}, normal")
+        if np.any(rubbing != 0.0):
+            ax.plot(result.times, rubbing, color=colour, linewidth=1.2, ls=(0, (4, 2)), label=f"{name}, {what}")
     ax.set_ylabel(f"contact force [{prefix}N]")
     if peaks:
         _cut(ax, result, order, limit, factor)
+
+
+def _told(result: Result, order: IntArray) -> FloatArray:
+    """(m, k, 2) normal and tangential force of the contacts shown; in space the size of friction [N]."""
+    forces = result.force[:, order]
+    if forces.shape[2] == 2:
+        return forces
+    return np.stack([forces[..., 0], np.linalg.norm(forces[..., 1:], axis=-1)], axis=-1)
 
 
 def _plot_gaps(ax: Axes, result: Result, order: IntArray) -> None:
@@ -154,7 +162,7 @@ def shown_forces(force: FloatArray) -> tuple[float, int]:
 
 def _cut(ax: Axes, result: Result, order: IntArray, limit: float, factor: float) -> None:
     """Limit the axis, and mark and tell what lies beyond it."""
-    forces = result.force[:, order] / factor
+    forces = _told(result, order) / factor
     limit /= factor
     low, high = max(float(forces.min()), -limit), min(float(forces.max()), limit)
     room = 0.08 * (high - low)

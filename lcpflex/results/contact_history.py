@@ -33,10 +33,34 @@ class ContactPoints:
 
     record: IntArray  # (k,) index of the stored instant
     contact: IntArray  # (k,) index of the declared contact
-    place: FloatArray  # (k, 2) [m], world axes
-    normal: FloatArray  # (k, 2) unit vector from body j (feature) to body i (node), world axes
-    force: FloatArray  # (k, 2) normal and tangential force [N], t = (n_y, -n_x)
+    place: FloatArray  # (k, 2) [m], world axes; (k, 3) in space
+    # (k, 2) unit vector from body j (feature) to body i (node), world axes; in space (k, 3), towards the body of the
+    # first surface of the contact as it was declared, of a pair by a rule the first in its name
+    normal: FloatArray
+    # (k, 2) normal and tangential force [N], t = (n_y, -n_x); in space (k, 4): the normal one, and friction on the body
+    # that the normal is towards, a vector in world axes
+    force: FloatArray
     state: StateArray  # (k,) OPEN, STICK, SLIP or CREEP
+
+    @property
+    def normal_force(self) -> FloatArray:
+        """(k,) [N], positive where the bodies are pressed together."""
+        return np.asarray(self.force[:, 0])
+
+    @property
+    def friction_force(self) -> FloatArray:
+        """(k, 2), in space (k, 3): friction as a vector on the body that ``normal`` is towards, world axes [N]."""
+        if self.place.shape[1] == 3:
+            return np.asarray(self.force[:, 1:])
+        return np.asarray(self.force[:, 1:] * np.column_stack([self.normal[:, 1], -self.normal[:, 0]]))
+
+    @property
+    def vector(self) -> FloatArray:
+        """(k, 2), in space (k, 3): the whole force on the body that ``normal`` is towards, world axes [N].
+
+        On the other body it is the opposite.
+        """
+        return np.asarray(self.force[:, :1] * self.normal + self.friction_force)
 
     def at(self, record: int) -> ContactPoints:
         """Those of one stored instant.
@@ -57,8 +81,10 @@ class ContactHistory:
 
     name: str
     times: FloatArray  # (m,) [s]
-    force: FloatArray  # (m, 2) normal and tangential force, summed over its points [N]
-    impulse: FloatArray  # (m, 2) accumulated since the start, impacts included [N s]
+    # (m, 2) normal and tangential force, summed over its points [N]; in space (m, 4): the sum of normal forces, and
+    # friction on the body of the first surface of the contact, a vector in world axes
+    force: FloatArray
+    impulse: FloatArray  # (m, 2), in space (m, 4): likewise, accumulated since the start, impacts included [N s]
     state: StateArray  # (m,) OPEN, STICK, SLIP or CREEP
     gap: FloatArray  # (m,) smallest gap [m]; NaN where farther than the detection margin, see ``least_gap``
     pairs: IntArray  # (m,) pairs of touching points that carry a normal force
@@ -82,6 +108,19 @@ class ContactHistory:
         return first if np.isfinite(first) else None
 
     @property
+    def normal_force(self) -> FloatArray:
+        """(m,) sum of the normal forces of its points [N]."""
+        return np.asarray(self.force[:, 0])
+
+    @property
+    def friction_force(self) -> FloatArray:
+        """(m,) sum of the tangential forces along t [N]; in space (m, 3) friction on the body of the first surface.
+
+        As a vector in world axes: that of the points of a contact, summed.
+        """
+        return np.asarray(self.force[:, 1] if self.force.shape[1] == 2 else self.force[:, 1:])
+
+    @property
     def peak_force(self) -> float:
         """Largest normal force at a stored instant [N]."""
         return float(np.max(self.force[:, 0], initial=0.0))
@@ -103,9 +142,9 @@ class ContactHistory:
         return float(np.min(self.gap, initial=np.inf, where=~np.isnan(self.gap)))
 
 
-def untouched(name: str, times: FloatArray) -> ContactHistory:
-    """The history of a contact that never touched, and whose gap was never measured."""
+def untouched(name: str, times: FloatArray, sums: int = 2) -> ContactHistory:
+    """The history of a contact that never touched, and whose gap was never measured; ``sums``: columns of forces."""
     m = len(times)
     still, never = np.zeros(m, np.int64), float("inf")
-    zeros, far = np.zeros((m, 2)), np.full(m, np.nan)
+    zeros, far = np.zeros((m, sums)), np.full(m, np.nan)
     return ContactHistory(name, times, zeros, zeros.copy(), still.astype(np.int8), far, still, never)

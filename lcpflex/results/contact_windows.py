@@ -38,8 +38,9 @@ class ContactWindow:
         ``EventDriven``, which has an impulse alone. Time stepping tells the impulse of a step over its length, for an
         impact the more, the shorter the step.
     impulse
-        (2,) normal and tangential [N s], impacts included. Those of all windows sum up to that of the
-        contact, to the rounding of the equations that ``Stiff`` solves: what such rounding makes is no touch.
+        (2,) normal and tangential [N s], in space (4,) normal and friction, impacts included. Those of all windows sum
+        up to that of the contact, to the rounding of the equations that ``Stiff`` solves: what such rounding makes is
+        no touch.
     stick, slip, creep
         Shares of the touch, by time, in which it stuck, slipped, and crept (:class:`lcpflex.Result`); they sum to 1,
         and are NaN where no stored instant tells.

@@ -34,7 +34,8 @@ class Instant:
     contacts
         Names of the nc contacts; of a rule between many surfaces, those that have touched of late.
     force, impulse
-        (nc, 2) normal and tangential force of each contact [N], and its impulse since the start [N s].
+        (nc, 2) normal and tangential force of each contact [N], and its impulse since the start [N s]; in space (nc, 4)
+        as in :class:`Result`.
     gap
         (nc,) [m], NaN where far.
     state

@@ -24,7 +24,7 @@ from lcpflex.results.orientation import body_angle
 from lcpflex.results.places import trajectory, velocity
 from lcpflex.results.section_forces import body_of_result, section_forces
 from lcpflex.results.stress_history import stress_history
-from lcpflex.scene.sensors.forces import Contact, Reaction, Section, SpatialReaction, Stress
+from lcpflex.scene.sensors.forces import Contact, Reaction, Section, SpatialContact, SpatialReaction, Stress
 from lcpflex.scene.sensors.motions import Body, Coordinates, Energy, MaterialPoint, SpatialFrame, StateNumbers
 from lcpflex.scene.sensors.user_function import Function
 
@@ -172,7 +172,13 @@ def _contact_columns(sensor: Contact) -> Columns:
     return Columns(names, ("N", "N", "N s", "N s", "m", ""))
 
 
-def _contact(sensor: Contact, window: Window) -> Any:
+def _spatial_contact_columns(sensor: SpatialContact) -> Columns:
+    forces, impulses = ([f"friction {what} {axis}" for axis in AXES] for what in ("force", "impulse"))
+    names = ("normal force", *forces, "normal impulse", *impulses, "gap", "state")
+    return Columns(names, (*["N"] * 4, *["N s"] * 4, "m", ""))
+
+
+def _contact(sensor: Contact | SpatialContact, window: Window) -> Any:
     found = window.result.contact(sensor.contact)
     return np.column_stack([found.force, found.impulse, found.gap, found.state])[window.skipped :]
 
@@ -243,6 +249,7 @@ KINDS: dict[type, tuple[Callable[[Any], Columns], Callable[[Any, Window], Any]]]
     Reaction: (_reaction_columns, _reaction),
     SpatialReaction: (_spatial_reaction_columns, _reaction),
     Contact: (_contact_columns, _contact),
+    SpatialContact: (_spatial_contact_columns, _contact),
     Section: (_section_columns, _section),
     Stress: (_stress_columns, _stress),
     Function: (_function_columns, _function),

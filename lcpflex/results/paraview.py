@@ -11,8 +11,9 @@ points, in world axes but for stresses, which are in the axes of the body:
 
 and of cells ``body``, an index, -1 the ground. ``run_contacts.vtkhdf``, of a scene with contacts, holds the touching
 points of each instant: force (3), on the body of the node side, normal force, tangential force [N], state (0 open,
-1 stick, 2 slip, 3 creep), and ``contact``, an index. Names of bodies and contacts in the order of these, and what the
-run was, are attributes of the group ``lcpflex`` of both files.
+1 stick, 2 slip, 3 creep), and ``contact``, an index; in space force and friction force (3) are those on the body of the
+first surface of the contact, and normal (3) is towards it. Names of bodies and contacts in the order of these, and what
+the run was, are attributes of the group ``lcpflex`` of both files.
 """
 
 from __future__ import annotations
@@ -133,16 +134,18 @@ def _contacts(result: Result, records: IntArray) -> Grid:
     points = result.contact_points
     chosen = np.isin(points.record, records)
     counts = np.bincount(points.record[chosen], minlength=len(result.times))[records]
-    normal, force = points.normal[chosen], points.force[chosen]
-    tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
+    force = points.force[chosen]
     page = {
         "Points": _solid(points.place[chosen]),
-        "force": _solid(force[:, :1] * normal + force[:, 1:] * tangent),
+        "force": _solid(points.vector[chosen]),
         "normal force": force[:, 0],
-        "tangential force": force[:, 1],
-        "state": points.state[chosen].astype(np.float64),
     }
-    arrays = {name: 3 if name == "force" else 1 for name in page if name != "Points"}
+    if points.place.shape[1] == 3:
+        page |= {"friction force": force[:, 1:], "normal": points.normal[chosen]}
+    else:
+        page["tangential force"] = force[:, 1]
+    page["state"] = points.state[chosen].astype(np.float64)
+    arrays = {name: 3 if values.ndim == 2 else 1 for name, values in page.items() if name != "Points"}
     return Grid(counts, (), {"contact": points.contact[chosen]}, arrays, [page])
 
 

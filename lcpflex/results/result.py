@@ -79,8 +79,9 @@ class Result:
     The layout of ``q`` and ``u`` is that of :mod:`lcpflex.model.arrays`: per body x, y, angle and its modal
     coordinates.
 
-    Where contacts share a load in more than one way, the forces of an instant are the least that give the motion; an
-    event-driven run keeps only as many redundant supports as carry it. Impulses are those that the solver found.
+    Where contacts share a load in more than one way, the forces of an instant are the least that give the motion, of an
+    event-driven run of as many redundant supports as carry it. Impulses are those that the solver found. In space both
+    are (m, nc, 4): normal, and the vector of friction on the body of the first surface declared, world axes.
 
     ``gap`` is NaN where a contact was farther than the distance up to which gaps are measured, and so is any sum or
     minimum over it: take ``np.nanmin``, or ``result.contact(name).least_gap``. A NaN says "far", never "lost".
@@ -92,7 +93,7 @@ class Result:
     times: FloatArray  # (m,) [s]
     q: FloatArray  # (m, ndof) [m], [rad], [kg^1/2 m]
     u: FloatArray  # (m, ndof) their rates
-    force: FloatArray  # (m, nc, 2) normal and tangential force of each contact at that instant [N]
+    force: FloatArray  # (m, nc, 2) normal and tangential force of each contact at that instant [N]; in space see below
     impulse: FloatArray  # (m, nc, 2) accumulated since the start, impacts included [N s]
     state: StateArray  # (m, nc) OPEN, STICK, SLIP or CREEP
     gap: FloatArray  # (m, nc) smallest gap [m]; NaN where farther than the detection margin, see below
@@ -167,7 +168,7 @@ class Result:
         A pair that a rule is for and that never touched has a name as well, and histories of no force.
         """
         if isinstance(name, str) and name not in self.contact_names and self.compiled and pair_of(self.compiled, name):
-            return untouched(name, self.times)
+            return untouched(name, self.times, self.force.shape[2])
         if not isinstance(name, str) or name not in self.contact_names:
             raise ModelError(f"name: no contact {absent(name, self.contact_names)}")
         k = self.contact_names.index(name)
@@ -247,9 +248,9 @@ class Result:
         t: from the first to the last of ``times``. before: at an instant that is stored twice, as ``EventDriven`` does
         with those of impacts, the state before it instead of that behind it.
 
-        A motion without a velocity jump is interpolated by places and velocities; a jump in a step of a time-stepping
-        scheme is moved by its parts (:mod:`lcpflex.results.state_at`). ``record="dense"`` keeps all that this needs.
-        Raises ModelError for other times, and where what was stored does not tell the state.
+        A motion without a jump is interpolated by places and velocities; a jump in a step of a time-stepping scheme is
+        moved by its parts (:mod:`.state_at`). ``record="dense"`` keeps all that this needs. Raises ModelError for other
+        times, and where what was stored does not tell the state.
         """
         return state_at(self, t, before)
 
@@ -293,9 +294,8 @@ class Result:
     ) -> Figure:
         """Picture of the scene at the stored instant nearest to ``t`` [s]: deformed shapes and contact forces.
 
-        axes: of matplotlib, to draw into; a new figure if omitted. Of spatial scenes: view: (elevation, azimuth) of
-        the camera [deg]; frames: with the axes of the bodies; scale: times that deformations are drawn larger. See
-        :func:`lcpflex.results.plot.draw`.
+        axes: of matplotlib, to draw into; a new figure if omitted. Of spatial scenes: view: (elevation, azimuth) of the
+        camera [deg]; frames: with axes of bodies; scale: of deformations. See :func:`lcpflex.results.plot.draw`.
         """
         return draw(self, t, axes, view, frames, scale)
 
@@ -346,9 +346,9 @@ class Result:
         Columns: ``body.x``, ``body.y``, ``body.angle``, ``body.mode 1`` and so on, their rates with a trailing ``'``;
         ``contact.normal force``, ``contact.tangential force``, the same for ``impulse``, ``contact.state``,
         ``contact.gap``; ``joint.force x``, ``joint.force y``, ``joint.moment``; ``energy.kinetic`` and so on. In space
-        those of :meth:`coordinate_names` and :meth:`velocity_names`, and moments x, y, z. Units are in
-        ``attrs["units"]`` by column, with facts of the run beside them. Instants of events stand in it twice, before
-        and after. Raises ModelError where pandas is not installed.
+        those of :meth:`coordinate_names` and :meth:`velocity_names`, moments x, y, z and ``contact.friction x force``.
+        Units are in ``attrs["units"]`` by column, with facts of the run beside them. Instants of events stand in it
+        twice, before and after. Raises ModelError where pandas is not installed.
         """
         return to_dataframe(self)
 
@@ -359,8 +359,8 @@ class Result:
         component), ``state``, ``gap`` (time, contact); ``joint_force`` (time, joint, axis), ``joint_moment`` (time,
         joint), in space (time, joint, axis), and more of joints; ``energy_kinetic`` and so on (time); ``touch_place``
         (touch, axis) and more of all touching points, of the instant ``touch_time_index`` and the contact
-        ``touch_contact_index``; ``event_time`` and more (event);
-        ``sensor_NAME`` (sensor_NAME_time, sensor_NAME_column) of each sensor, with / in its name as _.
+        ``touch_contact_index``; ``event_time`` and more (event); ``sensor_NAME`` (sensor_NAME_time,
+        sensor_NAME_column) of each sensor, with / in its name as _.
 
         Units are in the attributes of each variable, those of q and u in ``q_units`` and ``u_units``; the
         stepper, warnings and other facts of the run are attributes of the whole. Instants of events stand twice in

@@ -47,8 +47,8 @@ class StateAt:
     q, u
         (nq,) coordinates and (ndof,) velocities [m], [rad], [kg^1/2 m] and by the second, as in the result.
     force
-        (nc, 2) normal and tangential force of each contact [N], interpolated between instants; of rigid contacts under
-        time stepping, which has their impacts in it, that of the step.
+        (nc, 2), in space (nc, 4): normal force and friction of each contact [N], interpolated between instants; of
+        rigid contacts under time stepping, which has their impacts in it, that of the step.
     state
         (nc,) OPEN, STICK, SLIP or CREEP, of the nearest instant or of the step.
     joint_force

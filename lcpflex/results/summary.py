@@ -175,14 +175,21 @@ def _contact(history: ContactHistory) -> str:
         if creep > 0.0:
             kinds.append(f"{_share(creep / closed)} creeping, by {with_unit(history.crept, 'm')} in all")
         how = f"closed {_share(closed)} of the time ({', '.join(kinds)})"
-    normal, tangential = history.impulse[-1]
-    tangential = 0.0 if abs(tangential) < ROUNDING * abs(normal) else tangential
+    normal = history.impulse[-1, 0]
     assert history.first_touch is not None
     seen = "first touch" if history.first_touch == history.first_event else "first seen touching"
     return (
         f"  {history.name}: {seen} at {history.first_touch:.6g} s; peak force {with_unit(history.peak_force, 'N')}; "
-        f"impulse {with_unit(normal, 'N s')} normal, {with_unit(tangential, 'N s')} tangential; {how}"
+        f"impulse {with_unit(normal, 'N s')} normal, {_rubbed(history)}; {how}"
     )
+
+
+def _rubbed(history: ContactHistory) -> str:
+    """The impulse of friction in all: along the tangent, in space as large as its vector is."""
+    normal, *rest = history.impulse[-1].tolist()
+    size = rest[0] if len(rest) == 1 else float(np.linalg.norm(rest))
+    size = 0.0 if abs(size) < ROUNDING * abs(normal) else size
+    return f"{with_unit(size, 'N s')} {'tangential' if len(rest) == 1 else 'of friction'}"
 
 
 def _energy(result: Result) -> str:

@@ -25,6 +25,7 @@ __all__ = ["facts", "to_dataframe", "to_xarray"]
 
 AXES = ("x", "y", "z")
 COMPONENTS = ("normal", "tangential")
+IN_SPACE = ("normal", "friction x", "friction y", "friction z")  # components of contact forces there
 STATES = {"open": OPEN, "stick": STICK, "slip": SLIP, "creep": CREEP}
 OF_EACH_INSTANT = {"residual": "1", "penetration": "m", "joint_drift": "m or rad", "size": "1", "strict": "1"}
 
@@ -67,7 +68,7 @@ def _columns(result: Result) -> dict[str, tuple[NDArray[Any], str]]:
     columns |= {name: (result.u[:, k], rates[k]) for k, name in enumerate(_rates(result))}
     for k, name in enumerate(result.contact_names):
         for what, values, unit in (("force", result.force, "N"), ("impulse", result.impulse, "N s")):
-            columns |= {f"{name}.{way} {what}": (values[:, k, c], unit) for c, way in enumerate(COMPONENTS)}
+            columns |= {f"{name}.{way} {what}": (values[:, k, c], unit) for c, way in enumerate(_components(result))}
         columns[f"{name}.state"] = (result.state[:, k], "1")
         columns[f"{name}.gap"] = (result.gap[:, k], "m")
     if result.joint_force is not None:
@@ -102,7 +103,7 @@ def to_xarray(result: Result) -> Any:
         **{name: ((name,), _texts(labels)) for name, labels in names.items()},
         "q_units": (("coordinate",), _texts(units)),
         "u_units": ((_of_u(result),), _texts(rates)),
-        "component": (("component",), _texts(COMPONENTS)),
+        "component": (("component",), _texts(_components(result))),
         "axis": (("axis",), _texts(_axes(result))),
         **at,
     }
@@ -140,6 +141,11 @@ def _of_space(result: Result) -> bool:
 def _axes(result: Result) -> tuple[str, ...]:
     """Names of the axes of the world."""
     return AXES if _of_space(result) else AXES[:2]
+
+
+def _components(result: Result) -> tuple[str, ...]:
+    """Names of the components of contact forces."""
+    return IN_SPACE if result.force.shape[2] == len(IN_SPACE) else COMPONENTS
 
 
 def _of_u(result: Result) -> str:

@@ -13,6 +13,7 @@ from lcpflex.results.energy_balance import Energies
 from lcpflex.results.result import Result
 from lcpflex.results.stored_instants import stored_as
 from lcpflex.runs.touched import told
+from lcpflex.steppers.recorder import IN_SPACE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -58,13 +59,14 @@ def touching_points(found: Told) -> ContactPoints:
     """The touching points of what a run has stored."""
     touching = found.data["points"]
     contact = touching[:, 1].astype(np.int64)
+    d = 3 if touching.shape[1] == IN_SPACE else 2
     return ContactPoints(
         record=touching[:, 0].astype(np.int64),
         contact=contact,
-        place=touching[:, 2:4],
-        normal=touching[:, 4:6],
-        force=touching[:, 6:8],
-        state=creeping(found.laws, contact, touching[:, 8]).astype(np.int8),
+        place=touching[:, 2 : 2 + d],
+        normal=touching[:, 2 + d : 2 + 2 * d],
+        force=touching[:, 2 + 2 * d : -1],
+        state=creeping(found.laws, contact, touching[:, -1]).astype(np.int8),
     )
 
 

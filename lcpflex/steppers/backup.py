@@ -9,6 +9,7 @@ from lcpflex.dynamics.reaction_memory import Reactions
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, copy_parts, struct
+from lcpflex.model.layout import is_spatial
 from lcpflex.steppers.golden_section import Section
 from lcpflex.steppers.recorder import Counts, Recorder
 from lcpflex.steppers.system import System
@@ -32,7 +33,7 @@ class Backup:
     section: Section
     counts: Counts
     reactions: Reactions
-    total_impulse: FloatArray = array("laws", 2)
+    total_impulse: FloatArray = array("laws", "sums")
     n_held: int
     held_key: IntArray = array("contacts")
     held_gap: FloatArray = array("contacts")
@@ -41,6 +42,7 @@ class Backup:
 def backup(system: System, scheme: Any, capacity: int) -> Backup:
     """Memory for ``capacity`` contacts; ``scheme``: another struct like that of the run."""
     sizes = {"nq": len(system.q), "ndof": len(system.u), "laws": system.n_laws, "contacts": capacity}
+    sizes["sums"] = 4 if is_spatial(system.model) else 2
     return allocate(
         Backup,
         sizes,
@@ -60,8 +62,8 @@ def save(scheme: Any, work: Workspace, recorder: Recorder, kept: Backup) -> None
     copy_parts(recorder.counts, kept.counts)
     copy_parts(recorder.reactions, kept.reactions)
     for law in range(len(recorder.total_impulse)):
-        kept.total_impulse[law, 0] = recorder.total_impulse[law, 0]
-        kept.total_impulse[law, 1] = recorder.total_impulse[law, 1]
+        for i in range(kept.total_impulse.shape[1]):
+            kept.total_impulse[law, i] = recorder.total_impulse[law, i]
     kept.n_held = work.n_held
     for k in range(work.n_held):
         kept.held_key[k] = work.held_key[0, k]
@@ -77,8 +79,8 @@ def restore(scheme: Any, work: Workspace, recorder: Recorder, kept: Backup) -> N
     copy_parts(kept.counts, recorder.counts)
     copy_parts(kept.reactions, recorder.reactions)
     for law in range(len(recorder.total_impulse)):
-        recorder.total_impulse[law, 0] = kept.total_impulse[law, 0]
-        recorder.total_impulse[law, 1] = kept.total_impulse[law, 1]
+        for i in range(kept.total_impulse.shape[1]):
+            recorder.total_impulse[law, i] = kept.total_impulse[law, i]
     work.n_held = kept.n_held
     for k in range(kept.n_held):
         work.held_key[0, k] = kept.held_key[k]

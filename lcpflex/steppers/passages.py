@@ -13,6 +13,7 @@ from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.contact.rule_pairs import is_node_side
 from lcpflex.contact.thickness import law_thickness, pass_thickness, surface_thickness, thinnest
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.configuration import advance, difference
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
@@ -28,6 +29,7 @@ WITHIN = 0.5  # of the thickness, that a step may bridge
 LOOKS = 8  # in each part of a path, at pairs that come and go
 
 
+@in_space("lcpflex.steppers.spatial.passages")
 @kernel
 def on_way(model: Model, before: FloatArray, after: FloatArray, share: float, q: FloatArray) -> None:
     """The configuration at a share of the path, along which bodies move evenly."""
@@ -35,6 +37,7 @@ def on_way(model: Model, before: FloatArray, after: FloatArray, share: float, q:
     advance(model, before, q, share, q)
 
 
+@in_space("lcpflex.steppers.spatial.passages")
 @kernel
 def crosses(
     model: Model, table: ContactTable, k: int, before: FloatArray, after: FloatArray, low: float, high: float,

@@ -11,6 +11,7 @@ from lcpflex.contact.bounds import bound
 from lcpflex.contact.broad_phase import near_pairs
 from lcpflex.contact.rule_pairs import is_barred, is_node_side
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.configuration import advance
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
@@ -43,6 +44,7 @@ def travelled(model: Model, b: int, q: FloatArray, recorder: Recorder) -> float:
     return recorder.farthest * abs(q[d + 2] - recorder.before[d + 2]) + recorder.deflection[b] * deflection
 
 
+@in_space("lcpflex.steppers.spatial.passing")
 @kernel
 def may_pass(model: Model, q: FloatArray, recorder: Recorder) -> bool:
     """Whether two bodies may have moved, in the step to q, by more than they can be inside each other."""

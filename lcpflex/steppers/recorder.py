@@ -22,6 +22,7 @@ from lcpflex.steppers.rates import Rates
 
 __all__ = [
     "BY_RATE",
+    "IN_SPACE",
     "add_compliant_impulse",
     "add_impulse",
     "FIELDS",
@@ -39,6 +40,9 @@ __all__ = [
     "store_state",
     "recorder",
 ]
+
+
+IN_THE_PLANE, IN_SPACE = 9, 13  # columns of touching points
 
 
 @struct
@@ -144,7 +148,7 @@ def recorder(
         SpatialRecorder if in_space else Recorder,
         {
             "sums": 4 if in_space else 2,
-            "columns": 13 if in_space else 9,
+            "columns": IN_SPACE if in_space else IN_THE_PLANE,
             "nq": nq,
             "ndof": ndof,
             "bodies": len(deflection),

@@ -85,10 +85,9 @@ def _reach(system: System) -> float:
     points, contacts, bodies = system.model.points, system.model.contacts, system.model.bodies
     size = dimension(bodies)
     frames = np.abs(system.q[place_offsets(bodies)[:-1, None] + np.arange(size.components)])
-    if size is not PLANE:
-        return system.size + float(frames.max())
     center = contacts.feature_point[:, 0]
-    away = np.where(points.body[center] < 0, np.hypot(*points.place[center].T), 0.0)
+    lengths = np.hypot(*points.place[center].T) if size is PLANE else np.linalg.norm(points.place[center], axis=1)
+    away = np.where(points.body[center] < 0, lengths, 0.0)
     radius = np.abs(contacts.feature_radius)
     circles = (away + radius)[radius > 0.0]
     return system.size + max(float(frames.max()), float(circles.max(initial=0.0)))

@@ -56,7 +56,7 @@ class Units:
             if self._size is not PLANE:  # a body that turns is no point, whatever is known of it
                 extent = max(extent, math.sqrt(float(np.trace(model.bodies.second[b])) / float(model.bodies.mass[b])))
             for s in np.flatnonzero(contacts.surface_body == b):
-                reach = float(np.hypot(*contacts.surface_center[s]) + contacts.surface_extent[s])
+                reach = float(_lengths(contacts.surface_center[s]) + contacts.surface_extent[s])
                 extent = max(extent, reach if math.isfinite(reach) else 0.0)
             shapes = [points.phi[points.start[p] : points.start[p + 1]].T for p in ids]
             modes = int(dof[b + 1] - dof[b]) - self._size.rigid

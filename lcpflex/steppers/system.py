@@ -25,7 +25,7 @@ from lcpflex.force_laws.law import Law
 from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.jit.struct import pack
+from lcpflex.jit.struct import pack, put_array
 from lcpflex.model.arrays import Model
 from lcpflex.model.layout import is_spatial
 from lcpflex.solvers.contact.memory import ContactData, SolverMemory
@@ -195,7 +195,10 @@ class System:
         # of contacts that give way, too, a depth is no penetration
         laws = self._by_law(self.is_compliant or self.soft)
         table = self._table(table_capacity, laws, ALL, self.pairs, TOUCHING * self.margin)
-        contacts = self.model.contacts
+        contacts: Any = self.model.contacts
+        if is_spatial(self.model):
+            put_array(table, "first", np.array(contacts.law_surface[:, 0]))
+            put_array(table, "owner", np.array(contacts.surface_body))
         thickness = surface_thickness(contacts)
         return recorder(
             len(self.q),

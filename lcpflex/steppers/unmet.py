@@ -16,6 +16,7 @@ from lcpflex.contact.table import entry_of
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.backup import Backup
@@ -32,8 +33,9 @@ HALVINGS = 60
 ROUNDING = 1e-14  # of the largest coordinate
 
 
+@in_space("lcpflex.steppers.spatial.unmet")
 @kernel
-def on_way(q: FloatArray, u: FloatArray, h: float, share: float, kept: Backup) -> None:
+def on_way(model: Model, q: FloatArray, u: FloatArray, h: float, share: float, kept: Backup) -> None:
     """Configuration at a share of the step from what is kept to (q, u), into ``kept.at``."""
     left = 1.0 - share
     part = share * share * (3.0 - 2.0 * share)
@@ -49,7 +51,7 @@ def gap_on_way(
     tolerance: float,
 ) -> float:  # fmt: skip
     """Gap of entry k at a share of the step; positive where the node is beside its feature: it comes in from there."""
-    on_way(q, u, h, share, kept)
+    on_way(model, q, u, h, share, kept)
     refresh(model, kept.at, table, k)
     gap = table.gap[k]
     if min(foot_margin(model, kept.at, table, k), node_margin(model, kept.at, table, k)) < -SPAN_TOLERANCE:
@@ -139,6 +141,7 @@ def met(work: Workspace, table: ContactTable, k: int, gap: float, dip: float) ->
     return False
 
 
+@in_space("lcpflex.steppers.spatial.unmet")
 @kernel
 def fastest(model: Model, u: FloatArray, recorder: Recorder) -> float:
     """Largest speed of a point of a surface [m/s], at most; infinite where bodies are unknown."""
@@ -153,6 +156,7 @@ def fastest(model: Model, u: FloatArray, recorder: Recorder) -> float:
     return largest
 
 
+@in_space("lcpflex.steppers.spatial.unmet")
 @kernel
 def parts_of(model: Model, h: float, speed: float, u: FloatArray, kept: Backup) -> int:
     """Into how many parts a step is divided: in each, bodies turn little and travel less than the smallest surface."""
@@ -190,7 +194,7 @@ def first_unmet(
     for part in range(parts):
         low = part / parts
         high = (part + 1) / parts
-        on_way(q, u, h, low, kept)
+        on_way(model, q, u, h, low, kept)
         n = detect(model, kept.at, room, table)
         if n > len(table.key):
             return -float(n)

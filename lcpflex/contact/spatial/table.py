@@ -55,6 +55,8 @@ class SpatialContactTable:
     along: IntArray = array("contacts")  # which axis of body j t1 is the projection of; -1: the first edge of j
     bound: FloatArray = array("surfaces", 4)  # work: world centre of each surface, its deflection
     compliant: IntArray = array("laws")  # as in the plane
+    first: IntArray = array("declared")  # first surface of each declared contact, in tables of recorders
+    owner: IntArray = array("owners")  # and the body of each surface there
     collects: int
     pairs: RulePairs
     touching: float
@@ -76,6 +78,8 @@ def spatial_contact_table(
         SpatialContactTable,
         {"contacts": capacity, "surfaces": n_surfaces},
         compliant=np.array(compliant, np.int64),
+        first=np.zeros(0, np.int64),
+        owner=np.zeros(0, np.int64),
         collects=collects,
         pairs=no_pairs() if pairs is None else pairs,
         touching=touching,

@@ -32,7 +32,7 @@ def creeping(rows: Sequence[LawRow | None], contact: npt.NDArray[Any], state: np
 def crept(
     rows: Sequence[LawRow | None], mus: FloatArray, times: FloatArray, state: npt.NDArray[Any], force: FloatArray
 ) -> tuple[float, ...]:
-    """Path [m] that each contact has crept; empty if none has a law. ``state`` (m, nc), ``force`` (m, nc, 2) [N].
+    """Path [m] that each contact has crept; empty if none has a law. ``state`` (m, nc), ``force`` (m, nc, 2 or 4) [N].
 
     From instant to instant by the trapezoidal rule, as far as both are creeping.
     """
@@ -57,7 +57,8 @@ def _path(row: LawRow, mu: float, times: FloatArray, state: npt.NDArray[Any], fo
 def _slip(row: LawRow, mu: float, force: FloatArray) -> FloatArray:
     """Slip speeds [m/s] up to the slip speed of the law, by bisection."""
     kinds, p = np.array(row.kinds), np.array(row.parameters)
-    normal, wanted = np.ascontiguousarray(force[:, 0]), np.abs(force[:, 1])
+    normal = np.ascontiguousarray(force[:, 0])
+    wanted = np.abs(force[:, 1]) if force.shape[1] == 2 else np.linalg.norm(force[:, 1:], axis=1)
     free = compiled.FRICTION_KINDS[row.kinds[FRICTION_KIND]] == "ambrosio"
     start = row.parameters[FRICTION] if free else 0.0
     low, high = np.full(len(force), start), np.full(len(force), row.slip_speed)

@@ -1,4 +1,4 @@
-"""Panels of the chart of a spatial run without contacts: speeds and angular velocities of the bodies."""
+"""Panels of the chart of a spatial run: speeds and angular velocities of the bodies."""
 
 from __future__ import annotations
 

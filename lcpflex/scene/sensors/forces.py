@@ -10,7 +10,7 @@ from lcpflex.bodies.body import array_of
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.sensors.sensor import check_sensor, keep_body, keep_text
 
-__all__ = ["Contact", "Reaction", "Section", "SpatialReaction", "Stress"]
+__all__ = ["Contact", "Reaction", "Section", "SpatialContact", "SpatialReaction", "Stress"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +48,9 @@ class Contact:
     """Normal and tangential force [N], impulse since the start [N s], gap [m] and state of a contact.
 
     The state is that of :class:`lcpflex.Result`: 0 open, 1 sticking, 2 slipping, 3 creeping; the gap is NaN where it is
-    far. contact: its name. every: time between measurements [s], see :meth:`lcpflex.Scene.sensor`. name: of the
-    sensor. Raises ModelError for what is no name.
+    far. In space friction is a vector, on the body of the first surface of the contact, world axes. contact: its name.
+    every: time between measurements [s], see :meth:`lcpflex.Scene.sensor`. name: of the sensor. Raises ModelError for
+    what is no name.
     """
 
     contact: str
@@ -59,6 +60,15 @@ class Contact:
     def __post_init__(self) -> None:
         check_sensor(self)
         keep_text(self, "contact", "the name of a contact")
+
+
+@dataclass(frozen=True, slots=True)
+class SpatialContact:
+    """A :class:`Contact` of a compiled spatial scene."""
+
+    contact: str
+    every: float | None
+    name: str
 
 
 @dataclass(frozen=True, slots=True)

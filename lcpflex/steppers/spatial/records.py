@@ -1,6 +1,14 @@
-"""What a run writes down of contacts in space: touching points, and sums of forces and impulses."""
+"""What a run writes down of contacts in space: touching points, and sums of forces and impulses.
+
+A pair of features may have either surface of its contact on its side i. What is written down is the force on the body
+of the first surface as it was declared (of a pair by a rule: of the earlier one): friction as a vector in world axes,
+and at touching points the normal towards that body. The force of a point on that body is N n + F, on the other one
+-(N n + F).
+"""
 
 from __future__ import annotations
+
+from typing import Any
 
 from lcpflex.contact.spatial.pairs import contact_point
 from lcpflex.contact.spatial.table import SpatialContactTable
@@ -19,6 +27,7 @@ __all__ = [
     "note_compliant",
     "note_impulses",
     "note_spatial_contact",
+    "side_of",
 ]
 
 STICKING_SPEED = 1e-9  # [m/s] as in the plane
@@ -37,6 +46,20 @@ def friction_vector(table: SpatialContactTable, k: int, first: float, second: fl
 
 
 @kernel
+def side_of(told: Any, law: int, i: int) -> float:
+    """1 where body i of an entry is that of the first surface of contact ``law``, -1 where that is its body j.
+
+    told: the table of the recorder. Where it knows no surfaces of a contact, the side i is taken for the first.
+    """
+    surface = -1
+    if law < len(told.first):
+        surface = told.first[law]
+    elif law < len(told.pairs.pair):
+        surface = told.pairs.pair[law, 0]
+    return 1.0 if surface < 0 or told.owner[surface] == i else -1.0
+
+
+@kernel
 def add_impulse(work: SpatialWork, r: int, p: float, recorder: Recorder) -> None:
     """Add the impulse p of contact row r, counted behind those of joints: normal ones, and friction as a vector."""
     n = work.n_contacts
@@ -46,8 +69,9 @@ def add_impulse(work: SpatialWork, r: int, p: float, recorder: Recorder) -> None
         return
     k = work.tangent[r - n]
     second = work.tangent_of[k] != r - n
-    x, y, z = friction_vector(work.table, k, 0.0 if second else p, p if second else 0.0)
     law = work.table.law[k]
+    p *= side_of(recorder.table, law, work.table.body[k, 0])
+    x, y, z = friction_vector(work.table, k, 0.0 if second else p, p if second else 0.0)
     sums[law, 1] += x
     sums[law, 2] += y
     sums[law, 3] += z
@@ -57,7 +81,8 @@ def add_impulse(work: SpatialWork, r: int, p: float, recorder: Recorder) -> None
 def add_compliant_impulse(contacts: SpatialWork, k: int, step: float, recorder: Recorder) -> None:
     """Add what compliant contact k has given in a step to the sums of its declared contact."""
     sums, law = recorder.total_impulse, contacts.table.law[k]
-    x, y, z = friction_vector(contacts.table, k, step * contacts.p[k, 1], step * contacts.p[k, 2])
+    side = step * side_of(recorder.table, law, contacts.table.body[k, 0])
+    x, y, z = friction_vector(contacts.table, k, side * contacts.p[k, 1], side * contacts.p[k, 2])
     sums[law, 0] += step * contacts.p[k, 0]
     sums[law, 1] += x
     sums[law, 2] += y
@@ -77,7 +102,8 @@ def note_spatial_contact(
 ) -> None:
     """Add entry k, touching at ``place`` with forces along n, t1 and t2, to the instant about to be stored."""
     law = table.law[k]
-    x, y, z = friction_vector(table, k, first, second)
+    side = side_of(recorder.table, law, table.body[k, 0])
+    x, y, z = friction_vector(table, k, side * first, side * second)
     recorder.now_force[law, 0] += force_n
     recorder.now_force[law, 1] += x
     recorder.now_force[law, 2] += y
@@ -90,7 +116,7 @@ def note_spatial_contact(
         points[row, 1] = law
         for i in range(3):
             points[row, 2 + i] = place[i]
-            points[row, 5 + i] = table.normal[k, i]
+            points[row, 5 + i] = side * table.normal[k, i]
         points[row, 8] = force_n
         points[row, 9] = x
         points[row, 10] = y
