@@ -9,6 +9,7 @@ last instant, and contacts that have been closed for a while: with the stiffness
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -22,7 +23,9 @@ from lcpflex.dynamics.start import violation
 from lcpflex.force_laws.elastic.kernels import elastic_stiffness
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
+from lcpflex.kinematics.configuration import advance
 from lcpflex.model.arrays import Model
+from lcpflex.model.layout import dimension, is_spatial
 from lcpflex.model.planar import N_RIGID
 from lcpflex.results.result import Result
 
@@ -63,7 +66,8 @@ def _forces_off(compiled: CompiledScene, q: FloatArray, deep: IntArray) -> dict[
     if not (len(model.loads.spring_kind) or len(model.bodies.stiffness) or any(compiled.laws)):
         return {}  # nothing is strained by it, and the matrices below are the square of thousands of bodies
     table, found = near(model, q, 0.0)
-    W = np.array([normal_row(model, q, table, k) for k in range(found)]).reshape(found, len(q))
+    still = np.zeros(int(model.bodies.dof[-1]))
+    W = np.array([normal_row(model, q, table, k) for k in range(found)]).reshape(found, len(still))
     laws, gaps = table.law[:found], table.gap[:found]
     K = _stiffness(model, q)
     for k in range(found):
@@ -74,7 +78,7 @@ def _forces_off(compiled: CompiledScene, q: FloatArray, deep: IntArray) -> dict[
     held = [k for k in range(found) if laws[k] in deep and gaps[k] < 0.0]
     if not held:
         return {}
-    J = violation(compiled.model, q, np.zeros_like(q), np.zeros((compiled.n_external, 3))).jacobian
+    J = violation(compiled.model, q, still, np.zeros((compiled.n_external, 3))).jacobian
     scale = 1.0 / np.sqrt(np.diag(mass_matrix(compiled.model, q)))  # of coordinates: metres, radians, modal ones
     Z = null_space(J * scale)
     rows = (W[held] * scale) @ Z
@@ -94,21 +98,45 @@ def _forces_off(compiled: CompiledScene, q: FloatArray, deep: IntArray) -> dict[
 
 def _stiffness(model: Model, q: FloatArray) -> FloatArray:
     """Of springs, by differences, and of elastic modes (ndof, ndof); the model is a packed one."""
-    n, dof = len(q), model.bodies.dof
+    dof, rigid = model.bodies.dof, dimension(model.bodies).rigid
+    n = int(dof[-1])
     K, still, away = np.zeros((n, n)), np.zeros(n), np.zeros(n)
     if len(model.loads.spring_kind):
+        forces = _spring_forces(model)
         step = DIFFERENCE * max(1.0, float(np.abs(q).max()))
         for j in range(n):
             for side in (1.0, -1.0):
-                moved, force = q.copy(), np.zeros(n)
-                moved[j] += side * step
-                spring_forces(model, moved, still, force, away)
+                moved, force = _moved(model, q, j, side * step), np.zeros(n)
+                forces(model, moved, still, force, away)
                 K[:, j] -= side * force / (2.0 * step)
-    elastic = np.concatenate([np.arange(a + N_RIGID, b) for a, b in pairwise(dof)])
+    elastic = np.concatenate([np.arange(a + rigid, b) for a, b in pairwise(dof)])
     K[elastic, elastic] += model.bodies.stiffness
+    if is_spatial(model):
+        return K  # no stiffening
     for b in np.flatnonzero(np.diff(model.bodies.shortening_start)).tolist():
         own = slice(dof[b] + N_RIGID, dof[b + 1])
         axial = np.zeros((dof[b + 1] - dof[b] - N_RIGID,) * 2)
         add_tangent(model.bodies, b, q[own], 1.0, True, axial)
         K[own, own] += axial
     return K
+
+
+def _spring_forces(model: Model) -> Callable[..., None]:
+    """The kernel of the forces of springs."""
+    if not is_spatial(model):
+        return spring_forces
+    from lcpflex.dynamics.spatial.applied_forces import spring_forces as in_space
+
+    return in_space
+
+
+def _moved(model: Model, q: FloatArray, j: int, way: float) -> FloatArray:
+    """q moved along velocity j alone."""
+    moved = q.copy()
+    if is_spatial(model):
+        along = np.zeros(int(model.bodies.dof[-1]))
+        along[j] = way
+        advance(model, q, along, 1.0, moved)
+    else:
+        moved[j] += way
+    return moved

@@ -21,7 +21,7 @@ from lcpflex.contact.near import near, normal_row
 from lcpflex.dynamics.mass_matrix import held_inverse, mass_matrix, slowest_vibrations
 from lcpflex.dynamics.start import violation
 from lcpflex.jit.struct import pack
-from lcpflex.model.planar import N_RIGID
+from lcpflex.model.layout import dimension
 from lcpflex.results.result import Result
 
 __all__ = ["rebounds"]
@@ -115,8 +115,8 @@ def _masses(result: Result, compiled: CompiledScene, law: int, collision: Collis
         return None
     row = normal_row(model, q, table, int(own[np.argmin(table.gap[own])]))
     M = mass_matrix(compiled.model, q)
-    J = violation(compiled.model, q, np.zeros_like(q), np.zeros((compiled.n_external, 3))).jacobian
-    rigid = (compiled.model.bodies.dof[:-1, None] + np.arange(N_RIGID)).ravel()
+    J = violation(compiled.model, q, np.zeros_like(u), np.zeros((compiled.n_external, 3))).jacobian
+    rigid = (compiled.model.bodies.dof[:-1, None] + np.arange(dimension(compiled.model.bodies).rigid)).ravel()
     soft = float(row @ held_inverse(M, J) @ row)
     stiff = float(row[rigid] @ held_inverse(M[np.ix_(rigid, rigid)], J[:, rigid]) @ row[rigid])
     if not (soft > 0.0 and stiff > 0.0):

@@ -19,7 +19,7 @@ import numpy as np
 from lcpflex.checks.resolution_rules import PAIRS, PER_WAVELENGTH, element_size, excited_frequency
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.model.planar import N_RIGID
+from lcpflex.model.layout import dimension, place_offsets
 from lcpflex.results.result import Result
 
 __all__ = ["unresolved"]
@@ -85,13 +85,15 @@ def _long_elements(compiled: CompiledScene, name: str, b: int, duration: float) 
 def _few_modes(result: Result, compiled: CompiledScene, name: str, b: int, duration: float) -> str:
     """Where body b deforms, but its free modes that have mass end below what was excited."""
     bodies = compiled.model.bodies
-    first, last = int(bodies.dof[b]) + N_RIGID, int(bodies.dof[b + 1])
-    own = bodies.stiffness[first - N_RIGID * (b + 1) : last - N_RIGID * (b + 1)]
+    size = dimension(bodies)
+    first, last = int(bodies.dof[b]) + size.rigid, int(bodies.dof[b + 1])
+    own = bodies.stiffness[first - size.rigid * (b + 1) : last - size.rigid * (b + 1)]
     if not own.size:
         return ""
     free = np.arange(len(own)) < len(own) - compiled.layout.residual[b][0]
     # those of a massless boundary have displacements, but no velocity
-    static = (result.u[:, first:last] == 0.0).all(axis=0) & (result.q[:, first:last] != 0.0).any(axis=0)
+    bent = slice(int(place_offsets(bodies)[b]) + size.places, int(place_offsets(bodies)[b + 1]))
+    static = (result.u[:, first:last] == 0.0).all(axis=0) & (result.q[:, bent] != 0.0).any(axis=0)
     held = free & ~static
     highest = math.sqrt(float(own[held].max(initial=0.0))) / (2.0 * math.pi)
     frequency = excited_frequency(duration)

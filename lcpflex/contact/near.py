@@ -21,6 +21,7 @@ __all__ = ["near", "normal_row", "surfaces_of"]
 def near(model: Any, q: FloatArray, margin: float) -> tuple[Any, int]:
     """Pairs with gaps up to ``margin`` [m], in a packed model, and how many they are."""
     capacity = 64
+    make: Any = spatial_contact_table if is_spatial(model) else contact_table
     pairs = rule_pairs(model.contacts)
     make: Any = spatial_contact_table if is_spatial(model) else contact_table
     while True:
@@ -42,9 +43,9 @@ def surfaces_of(contacts: Contacts, key: int) -> tuple[int, int]:
 def normal_row(model: Model, q: FloatArray, table: ContactTable, k: int) -> FloatArray:
     """w_N (ndof,) of entry k."""
     dof = model.bodies.dof
-    normal, tangent = np.zeros((2, 2, int(np.max(np.diff(dof)))))
-    contact_rows(model, q, table, k, normal, tangent)
-    row = np.zeros(len(q))
+    normal, *tangents = np.zeros((3 if is_spatial(model) else 2, 2, int(np.max(np.diff(dof)))))
+    contact_rows(model, q, table, k, normal, *tangents)
+    row = np.zeros(int(dof[-1]))
     for side, b in enumerate(table.body[k]):
         if b >= 0:
             row[dof[b] : dof[b + 1]] += normal[side, : dof[b + 1] - dof[b]]
