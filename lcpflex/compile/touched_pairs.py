@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from lcpflex.bodies.surface import NO_NODE
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.contact.rule_pairs import CHAIN, POINT
 from lcpflex.jit.kernel import IntArray
-from lcpflex.model.arrays import Contacts, frozen
+from lcpflex.model.arrays import frozen
 
 __all__ = ["pair_of", "with_pairs"]
 
@@ -35,7 +36,7 @@ def with_pairs(compiled: CompiledScene, pairs: Sequence[Pair]) -> tuple[Compiled
     return replace(compiled, model=model, layout=listed, laws=laws), old
 
 
-def _with_passes(contacts: Contacts, pairs: Sequence[Pair], before: int) -> Contacts:
+def _with_passes(contacts: Any, pairs: Sequence[Pair], before: int) -> Any:
     rank, count = contacts.rule_rank, len(pairs)
     passes = []
     for law, (i, j) in enumerate(pairs, before):
@@ -56,6 +57,9 @@ def _with_passes(contacts: Contacts, pairs: Sequence[Pair], before: int) -> Cont
         for name in ("friction", "restitution", "tangential_restitution")
         for values in (getattr(contacts, name),)
     }
+    if hasattr(contacts, "law_surface"):  # in space
+        sides = np.array(pairs, dtype=np.int64).reshape(-1, 2)
+        numbers["law_surface"] = frozen(np.insert(contacts.law_surface, before, sides, axis=0), np.int64)
     return contacts._replace(
         pass_node=frozen(columns[0], np.int64),
         pass_feature=frozen(columns[1], np.int64),

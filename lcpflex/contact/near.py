@@ -21,7 +21,6 @@ __all__ = ["near", "normal_row", "surfaces_of"]
 def near(model: Any, q: FloatArray, margin: float) -> tuple[Any, int]:
     """Pairs with gaps up to ``margin`` [m], in a packed model, and how many they are."""
     capacity = 64
-    make: Any = spatial_contact_table if is_spatial(model) else contact_table
     pairs = rule_pairs(model.contacts)
     make: Any = spatial_contact_table if is_spatial(model) else contact_table
     while True:

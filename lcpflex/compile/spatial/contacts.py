@@ -43,6 +43,7 @@ def compile_spatial_contacts(
         for law, contact in enumerate(declared.values())
         for a, b in _passes(contact)
     ]
+    sides = [[number[side.label] for side in contact.pair] for contact in declared.values()]
     laws = np.array([(c.friction, c.restitution, c.tangential_restitution) for c in declared.values()]).reshape(-1, 3)
     ints = np.int64
     return no_spatial_contacts()._replace(
@@ -66,6 +67,7 @@ def compile_spatial_contacts(
         friction=frozen(laws[:, 0]),
         restitution=frozen(laws[:, 1]),
         tangential_restitution=frozen(laws[:, 2]),
+        law_surface=frozen(sides, ints, columns=2),
     )
 
 
