@@ -161,7 +161,7 @@ def workspace(
     recalled: Any = before.remembered if before else None
     solving: dict[str, Any]
     if in_space:
-        cones = {"problem": cone_data(dense), "solver": cone_memory(dense, known)}
+        cones = {"problem": cone_data(dense), "solver": cone_memory(capacity, known, dense, ndof)}
         solving = {**cones, "remembered": remembered_cones(capacity, recalled)}
     else:
         pairs = {"problem": contact_data(dense), "solver": prepare(dense, known)}

@@ -1,25 +1,127 @@
-"""The contact problems of a step in space, one for each island, solved one after the other."""
+"""The contact problems of a step in space, one for each island, solved one after the other.
+
+Without joints in the velocities of its bodies; with joints, or by a solver of the user's, as one dense problem.
+"""
 
 from __future__ import annotations
 
+from lcpflex.dynamics.contact_problem import fits
+from lcpflex.dynamics.spatial.cone_sweeps import sweep_island
+from lcpflex.dynamics.spatial.contact_problem import describe_island, has_joints, pose_island, take_forces
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import kernel
-from lcpflex.steppers.recorder import Recorder
+from lcpflex.solvers.contact.cones.dense import solve_cones
+from lcpflex.solvers.contact.cones.memory import POSED, SOLUTION_KNOWN
+from lcpflex.solvers.contact.cones.recollection import keep_force, known_force
+from lcpflex.solvers.contact.recollection import place_of, turn_over
+from lcpflex.steppers.recorder import Recorder, note_certificate
 from lcpflex.steppers.status import RunStatus
 
 __all__ = ["shorten_forces", "solve_island", "solve_islands"]
 
 
 @kernel
+def begin_island(work: SpatialWork, i: int, warm: bool) -> None:
+    """Where the forces ``work.p`` of island i begin: from the last step, or from none."""
+    memory, islands, table, known, p = work.solver, work.islands, work.table, work.remembered, work.p
+    first, guess = islands.start[i], 0
+    for c in range(islands.start[i + 1] - first):
+        k = islands.contact[first + c]
+        place = place_of(known, table.key[k], guess) if warm else -1
+        f, f1, f2, slip = known_force(known, place, table.normal, table.tangent, k, work.mu[k])
+        if place >= 0:
+            guess = place + 1 if place + 1 < known.n else 0
+        r, j = work.n_joint + k, work.tangent_of[k]
+        p[r] = f
+        if j >= 0:
+            s = work.n_joint + work.n_contacts + j
+            p[s], p[s + 1] = f1, f2
+        memory.slip[c] = slip
+
+
+@kernel
+def keep_island(work: SpatialWork, i: int) -> None:
+    """Add the contacts of the island just solved to those that the next step begins from."""
+    memory, islands, table, known, p = work.solver, work.islands, work.table, work.remembered, work.p
+    first = islands.start[i]
+    n = islands.start[i + 1] - first
+    for c in range(n):
+        k = islands.contact[first + c]
+        r, j = work.n_joint + k, work.tangent_of[k]
+        f1, f2 = 0.0, 0.0
+        if j >= 0:
+            s = work.n_joint + work.n_contacts + j
+            f1, f2 = p[s], p[s + 1]
+        keep_force(known, known.n_next + c, table.key[k], table.normal, table.tangent, k, p[r], f1, f2, memory.slip[c])
+    known.n_next += n
+
+
+@kernel
+def pose_begun(work: SpatialWork, i: int) -> None:
+    """``work.problem`` of island i, and in ``work.solver`` the forces ``work.p`` to begin from."""
+    pose_island(work, i)
+    force, part = work.solver.force, work.part
+    for r in range(3 * work.problem.n_contacts):
+        force[r] = work.p[work.n_joint + part[r]] if part[r] >= 0 else 0.0
+
+
+@kernel
+def solve_posed(work: SpatialWork, i: int, tolerance: float, warm: bool) -> int:
+    """Island i as one dense problem: DONE, GROW or SOLVER_FAILED."""
+    memory = work.solver
+    if not fits(work, i):
+        return RunStatus.GROW
+    if memory.known != SOLUTION_KNOWN:  # else one waits for the problem posed
+        begin_island(work, i, warm)
+        pose_begun(work, i)
+    work.number = solve_cones(work.problem, memory)
+    if work.number != 0 or not memory.residual <= tolerance:
+        return RunStatus.SOLVER_FAILED
+    take_forces(work)
+    return RunStatus.DONE
+
+
+@kernel
 def solve_island(work: SpatialWork, i: int, tolerance: float, warm: bool, recorder: Recorder) -> int:
-    """Forces of the contacts of island i to ``work.p``; DONE, GROW, or SOLVER_FAILED."""
+    """Forces of the contacts of island i to ``work.p``; DONE, GROW, or SOLVER_FAILED with the reason in the workspace.
+
+    warm: from what contacts did in the last step.
+    """
+    memory = work.solver
+    memory.tolerance = tolerance
+    if memory.method == POSED or work.lifted == 1 or memory.known == SOLUTION_KNOWN or has_joints(work, i):
+        status = solve_posed(work, i, tolerance, warm)
+        if status != RunStatus.DONE:
+            return status
+    else:
+        describe_island(work, i)
+        begin_island(work, i, warm)
+        memory.size = 3 * (work.islands.start[i + 1] - work.islands.start[i])
+        if sweep_island(work, i) != 0:
+            return solve_posed(work, i, tolerance, warm)
+    note_certificate(work, recorder)
     return RunStatus.DONE
 
 
 @kernel
 def solve_islands(work: SpatialWork, t: float, tolerance: float, warm: bool, last: bool, recorder: Recorder) -> int:
-    """The problems laid that are not solved yet; DONE, GROW, or SOLVER_FAILED with the reason in the workspace."""
-    work.islands.next = work.islands.count
+    """The problems laid that are not solved yet; DONE, or as :func:`solve_island`.
+
+    last: they are the last ones of the step from t [s]: the next one begins from them.
+    """
+    islands = work.islands
+    if islands.next == 0:
+        work.remembered.n_next = 0
+    work.unsolved_large = 0
+    while islands.next < islands.count:
+        status = solve_island(work, islands.next, tolerance, warm, recorder)
+        if status != RunStatus.DONE:
+            return status
+        if last:
+            keep_island(work, islands.next)
+        islands.next += 1
+    if last:
+        turn_over(work.remembered)
     return RunStatus.DONE
 
 

@@ -24,7 +24,7 @@ __all__ = ["cone_parts", "nearest_in_cone", "natural_miss", "weigh_cones"]
 def nearest_in_cone(x_n: float, x_1: float, x_2: float, mu: float) -> tuple[float, float, float]:
     """The nearest point of the cone |x_T| <= mu x_N, 0 <= mu < inf."""
     slip = math.hypot(x_1, x_2)
-    if slip <= mu * x_n:
+    if slip <= mu * x_n and x_n >= 0.0:  # without friction 0 <= -0 holds for any
         return x_n, x_1, x_2
     length = math.hypot(1.0, mu)
     cosine, sine = 1.0 / length, mu / length

@@ -6,10 +6,17 @@ have three rows as well, the last two of which count for nothing.
 
 from __future__ import annotations
 
+from typing import Any, cast
+
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.solvers.contact.recollection import fill_slots
 
 __all__ = [
+    "COMPILED",
+    "NOTHING_KNOWN",
+    "POSED",
+    "SOLUTION_KNOWN",
     "SpatialContactData",
     "SpatialRemembered",
     "SpatialSolverMemory",
@@ -17,6 +24,10 @@ __all__ = [
     "cone_memory",
     "remembered_cones",
 ]
+
+COMPILED, POSED = 0, 1  # methods: POSED, each problem with its Delassus operator, for solvers that are not compiled in
+NOTHING_KNOWN, SOLUTION_KNOWN = 0, 1  # what is known of a problem; the latter: ``force`` is to be judged first
+TOLERANCE = 1e-9  # of residuals, where nobody tells
 
 
 @struct
@@ -48,10 +59,19 @@ class SpatialSolverMemory:
     residual: float  # in units of the contacts
     strict: float  # relative to the free velocity alone
     iterations: float
-    normal: FloatArray = array("contacts")
-    tangential: FloatArray = array("contacts")
+    tolerance: float  # of the residual
+    load: float  # size of the free velocities
+    worst: float  # absolute residual of the present point
+    terms: float  # size of what cancels in its velocities
+    sliding: int  # 1: some contact slips at it
     force: FloatArray = array("rows")
+    velocity: FloatArray = array("rows")
+    sums: FloatArray = array("rows")  # sum |G_ij r_j| + |free_i|
     slip: FloatArray = array("contacts")  # |u_T| / |r_T| of each contact in the last solution [m/s over N s]
+    own: FloatArray = array("contacts", 6)  # block of each contact in G: nn, n1, n2, 11, 12, 22
+    unit: FloatArray = array("contacts")  # d = 1 / sqrt(max G_kk) of each contact
+    tangent_row: IntArray = array("contacts")  # the first of its two rows in the scene; -1: without friction
+    change: FloatArray = array("ndof")  # of the velocities of bodies by the forces
 
 
 @struct
@@ -71,19 +91,27 @@ def cone_data(capacity: int) -> SpatialContactData:
     return allocate(SpatialContactData, {"contacts": capacity, "rows": 3 * capacity})
 
 
-def cone_memory(capacity: int, before: SpatialSolverMemory | None = None) -> SpatialSolverMemory:
-    """Memory for problems of so many contacts; what a smaller one knows goes on."""
-    memory = allocate(SpatialSolverMemory, {"contacts": capacity, "rows": 3 * capacity})
+def cone_memory(
+    capacity: int, before: SpatialSolverMemory | None = None, dense: int | None = None, ndof: int = 0
+) -> SpatialSolverMemory:
+    """Memory for problems of so many contacts; what a smaller one knows goes on.
+
+    dense: of the largest that is posed with its Delassus operator, all if left out; ndof: velocities of the bodies.
+    """
+    rows = 3 * (capacity if dense is None else dense)
+    memory = allocate(SpatialSolverMemory, {"contacts": capacity, "rows": rows, "ndof": ndof})
+    memory.tolerance = TOLERANCE
     if before is not None:
-        memory.method, memory.known = before.method, before.known
+        memory.method, memory.known, memory.tolerance = before.method, before.known, before.tolerance
     return memory
 
 
 def remembered_cones(capacity: int, before: SpatialRemembered | None = None) -> SpatialRemembered:
     """Room for so many contacts; what a smaller one holds goes on."""
-    memory = allocate(SpatialRemembered, {"contacts": capacity, "slots": 2 * capacity + 1})
+    memory: Any = allocate(SpatialRemembered, {"contacts": capacity, "slots": 2 * capacity + 1})
     if before is not None:
         memory.n, memory.now = before.n, before.now
         for name in ("key", "force"):
             getattr(memory, name)[:, : before.key.shape[1]] = getattr(before, name)
-    return memory
+        fill_slots(memory)
+    return cast(SpatialRemembered, memory)

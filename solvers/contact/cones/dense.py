@@ -1,0 +1,143 @@
+"""The contact problem of an island in space with its Delassus operator: block Gauss-Seidel, and what judges it.
+
+A sweep solves each contact by itself, exactly, with the forces of the others as they are; velocities are kept up to
+date by columns. It ends where the certificate holds: within the tolerance where something slides; where all that press
+stick, to rounding if that can be had, so that what rests does not creep.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lcpflex.jit.kernel import kernel
+from lcpflex.solvers.balance import contact_units
+from lcpflex.solvers.certificate import ROUNDING, guarded_residual, strict_residual
+from lcpflex.solvers.contact.cones.certificate import cone_parts
+from lcpflex.solvers.contact.cones.local import NONE, solve_cone
+from lcpflex.solvers.contact.cones.memory import NOTHING_KNOWN, SpatialContactData, SpatialSolverMemory
+from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED
+
+__all__ = ["CRAWLING", "LOOK", "POLISH", "SETTLED", "SLIDING", "SWEEPS", "is_settled", "solve_cones", "weigh_forces"]
+
+FLOOR = 1e-3  # of the terms of which free velocities are made: less of them is no measure of a residual
+SETTLED, ROUNDED = 1e-14, 4.0  # what is left where nothing creeps: of the free velocities, and roundings of the terms
+SLIDING = 1e-6  # of the free velocities: a contact that slips by more is no resting one
+LOOK = 8  # sweeps between two judgements
+SWEEPS = 2000  # at most
+POLISH = 40  # at most beyond the tolerance
+CRAWLING = 0.7  # of the residual left by LOOK sweeps: too much to go on for its sake
+
+
+@kernel
+def is_settled(memory: SpatialSolverMemory) -> bool:
+    """Whether what is left of the present point is rounding."""
+    return bool(memory.worst <= max(SETTLED * memory.load, ROUNDED * ROUNDING * memory.terms))
+
+
+@kernel
+def describe(data: SpatialContactData, memory: SpatialSolverMemory) -> None:
+    """Own blocks and units of the contacts, and the load."""
+    G, own, unit, n = data.delassus, memory.own, memory.unit, data.n_contacts
+    for k in range(n):
+        i = 3 * k
+        own[k, 0], own[k, 1], own[k, 2] = G[i, i], G[i, i + 1], G[i, i + 2]
+        own[k, 3], own[k, 4], own[k, 5] = G[i + 1, i + 1], G[i + 1, i + 2], G[i + 2, i + 2]
+        unit[k] = max(own[k, 0], max(own[k, 3], own[k, 5]))
+    contact_units(unit, n)
+    load = 0.0
+    for r in range(3 * n):
+        load = max(load, unit[r // 3] * max(abs(data.free[r]), FLOOR * data.terms[r]))
+    memory.load = load
+
+
+@kernel
+def weigh_forces(data: SpatialContactData, memory: SpatialSolverMemory) -> None:
+    """Velocities under ``memory.force``, made anew, the residual in its two sizes, and whether something slides."""
+    G, free, force, n = data.delassus, data.free, memory.force, data.n_contacts
+    velocity, sums = memory.velocity, memory.sums
+    for r in range(3 * n):
+        total, size = free[r], abs(free[r])
+        for s in range(3 * n):
+            part = G[r, s] * force[s]
+            total += part
+            size += abs(part)
+        velocity[r], sums[r] = total, size
+    worst, terms, _ = cone_parts(force, velocity, sums, free, data.friction, memory.unit, n)
+    memory.worst, memory.terms = worst, terms
+    speed = 0.0
+    for k in range(n):
+        if force[3 * k] > 0.0:
+            speed = max(speed, memory.unit[k] * (abs(velocity[3 * k + 1]) + abs(velocity[3 * k + 2])))
+    memory.sliding = 1 if speed > SLIDING * memory.load else 0
+    if worst < np.inf:
+        memory.residual = guarded_residual(worst, max(terms, memory.load), memory.load)
+        memory.strict = strict_residual(worst, memory.load)
+    else:
+        memory.residual, memory.strict = np.inf, np.inf
+
+
+@kernel
+def sweep(data: SpatialContactData, memory: SpatialSolverMemory) -> float:
+    """One sweep over the contacts; the largest change of a force in its unit."""
+    G, friction, n = data.delassus, data.friction, data.n_contacts
+    force, velocity, own, unit, slip = memory.force, memory.velocity, memory.own, memory.unit, memory.slip
+    largest = 0.0
+    for k in range(n):
+        i = 3 * k
+        nn, n1, n2, aa, ab, bb = own[k, 0], own[k, 1], own[k, 2], own[k, 3], own[k, 4], own[k, 5]
+        p, p1, p2 = force[i], force[i + 1], force[i + 2]
+        r, r1, r2, s = solve_cone(
+            nn,
+            n1,
+            n2,
+            aa,
+            ab,
+            bb,
+            velocity[i] - (nn * p + n1 * p1 + n2 * p2),
+            velocity[i + 1] - (n1 * p + aa * p1 + ab * p2),
+            velocity[i + 2] - (n2 * p + ab * p1 + bb * p2),
+            friction[k],
+            slip[k],
+        )
+        if s == NONE:  # wedged by itself: the others may help
+            largest = np.inf
+            continue
+        slip[k] = s
+        d, d1, d2 = r - p, r1 - p1, r2 - p2
+        if d != 0.0 or d1 != 0.0 or d2 != 0.0:
+            largest = max(largest, max(abs(d), max(abs(d1), abs(d2))) / unit[k])
+            force[i], force[i + 1], force[i + 2] = r, r1, r2
+            for e in range(3 * n):
+                velocity[e] += G[i, e] * d + G[i + 1, e] * d1 + G[i + 2, e] * d2
+    return largest
+
+
+@kernel
+def solve_cones(data: SpatialContactData, memory: SpatialSolverMemory) -> int:
+    """Solve a contact problem from the forces in ``memory``; 0 where solved. Residuals and iterations go there, too.
+
+    The Delassus operator is symmetric.
+    """
+    n = data.n_contacts
+    memory.size, memory.iterations, memory.known = 3 * n, 0.0, NOTHING_KNOWN
+    describe(data, memory)
+    for k in range(n):
+        if data.friction[k] == 0.0:
+            memory.force[3 * k + 1], memory.force[3 * k + 2] = 0.0, 0.0
+    weigh_forces(data, memory)
+    polished, tolerance = 0, memory.tolerance
+    while memory.iterations < SWEEPS:
+        if memory.residual <= tolerance:
+            if memory.sliding == 1 or polished >= POLISH or is_settled(memory):
+                break
+            polished += LOOK
+        before = memory.worst
+        goal = SETTLED * memory.load if memory.residual <= tolerance else 0.1 * tolerance * memory.load
+        for _ in range(LOOK):
+            memory.iterations += 1.0
+            if sweep(data, memory) <= goal:
+                break
+        weigh_forces(data, memory)
+        if memory.residual <= tolerance and polished > 0 and memory.worst > CRAWLING * before:
+            break
+    return SOLVED if memory.residual <= tolerance else ITERATION_LIMIT
