@@ -105,11 +105,10 @@ def lever_on_i(
     points: SpatialPoints, q: FloatArray, frame: Frame, table: SpatialContactTable, k: int, n: Vector
 ) -> Vector:
     """From there to the place of contact [m], world axes."""
-    lever = scaled(-table.radius[k, 0], n)
     if table.kind[k] != RIM_FACET:
-        return lever
+        return scaled(-table.radius[k, 0], n)
     c, _ = lowest_on_rim(rim_axis(points, q, frame, table.point[k, 0], table.point[k, 1]), n)
-    return added(lever, scaled(table.radius[k, 2], c))
+    return apart_from(scaled(table.radius[k, 2], c), scaled(table.radius[k, 0], n))
 
 
 @kernel

@@ -17,6 +17,7 @@ from lcpflex.kinematics.spatial.vectors import (
     added,
     apart_from,
     is_zero,
+    row_vector,
     scaled,
     turned,
     turned_back,
@@ -131,7 +132,7 @@ def modal_sum(points: SpatialPoints, field: FloatArray, p: int, values: FloatArr
 @kernel
 def place_in(points: SpatialPoints, q: FloatArray, frame: Frame, p: int) -> Vector:
     """s of point p [m], in its frame."""
-    place = points.place[p, 0], points.place[p, 1], points.place[p, 2]
+    place = row_vector(points.place, p)
     if is_rigid(points, p):
         return place
     return added(place, modal_sum(points, points.phi, p, q, frame.modal))
@@ -164,23 +165,41 @@ def weighted(mean: Mean, a: Vector, b: Vector, c: Vector) -> Vector:
 
 
 @kernel
-def mean_place(points: SpatialPoints, q: FloatArray, frame: Frame, mean: Mean) -> Vector:
-    """Mean s [m], in the frame."""
-    a = place_in(points, q, frame, mean.a)
+def mean_undeformed(points: SpatialPoints, mean: Mean) -> Vector:
+    """Mean place [m], undeformed, in the frame."""
+    a = row_vector(points.place, mean.a)
     if mean.number == 1:
         return a
-    b = place_in(points, q, frame, mean.b)
-    return weighted(mean, a, b, place_in(points, q, frame, mean.c) if mean.number == 3 else NOTHING)
+    b = row_vector(points.place, mean.b)
+    return weighted(mean, a, b, row_vector(points.place, mean.c) if mean.number == 3 else NOTHING)
+
+
+@kernel
+def mean_shape(points: SpatialPoints, values: FloatArray, modal: int, mean: Mean) -> Vector:
+    """Mean Phi e of the modal numbers e that begin at ``modal`` of ``values``, in the frame."""
+    a = modal_sum(points, points.phi, mean.a, values, modal)
+    if mean.number == 1:
+        return a
+    b = modal_sum(points, points.phi, mean.b, values, modal)
+    c = modal_sum(points, points.phi, mean.c, values, modal) if mean.number == 3 else NOTHING
+    return weighted(mean, a, b, c)
+
+
+@kernel
+def mean_place(points: SpatialPoints, q: FloatArray, frame: Frame, mean: Mean) -> Vector:
+    """Mean s [m], in the frame."""
+    place = mean_undeformed(points, mean)
+    if is_rigid(points, mean.a):
+        return place
+    return added(place, mean_shape(points, q, frame.modal, mean))
 
 
 @kernel
 def mean_flow(points: SpatialPoints, u: FloatArray, motion: Motion, mean: Mean) -> Vector:
     """Mean Phi etadot [m/s], in the frame."""
-    a = flow_in(points, u, motion, mean.a)
-    if mean.number == 1 or is_rigid(points, mean.a):
-        return a
-    b = flow_in(points, u, motion, mean.b)
-    return weighted(mean, a, b, flow_in(points, u, motion, mean.c) if mean.number == 3 else NOTHING)
+    if is_rigid(points, mean.a):
+        return NOTHING
+    return mean_shape(points, u, motion.modal, mean)
 
 
 @kernel
@@ -193,16 +212,31 @@ def mean_velocity(
 
 
 @kernel
+def rigid_motion(frame: Frame, motion: Motion, s: Vector) -> MeanMotion:
+    """Of a place s in a rigid body."""
+    sweep = cross(motion.omega, s)
+    return MeanMotion(added(motion.v, turned(frame.A, sweep)), turned(frame.A, cross(motion.omega, sweep)))
+
+
+@kernel
+def flexible_motion(
+    points: SpatialPoints, q: FloatArray, u: FloatArray, frame: Frame, motion: Motion, mean: Mean
+) -> MeanMotion:
+    """v and b in a flexible body, the weights being frozen."""
+    sweep = cross(motion.omega, added(mean_undeformed(points, mean), mean_shape(points, q, frame.modal, mean)))
+    flow = mean_shape(points, u, motion.modal, mean)
+    bias = cross(motion.omega, added(sweep, scaled(2.0, flow)))
+    return MeanMotion(added(motion.v, turned(frame.A, added(sweep, flow))), turned(frame.A, bias))
+
+
+@kernel
 def mean_motion(
     points: SpatialPoints, q: FloatArray, u: FloatArray, frame: Frame, motion: Motion, mean: Mean
 ) -> MeanMotion:
     """v and b, the weights being frozen."""
-    sweep = cross(motion.omega, mean_place(points, q, frame, mean))
     if is_rigid(points, mean.a):
-        return MeanMotion(added(motion.v, turned(frame.A, sweep)), turned(frame.A, cross(motion.omega, sweep)))
-    flow = mean_flow(points, u, motion, mean)
-    bias = cross(motion.omega, added(sweep, scaled(2.0, flow)))
-    return MeanMotion(added(motion.v, turned(frame.A, added(sweep, flow))), turned(frame.A, bias))
+        return rigid_motion(frame, motion, mean_undeformed(points, mean))
+    return flexible_motion(points, q, u, frame, motion, mean)
 
 
 @kernel
@@ -252,45 +286,73 @@ def line_rate(
 @kernel
 def lay_block(row: FloatArray, sign: float, d: Vector, moment: Vector) -> None:
     """Set a block to sign times what v and omega do along d; its modal part to 0."""
-    for i in range(3):
-        row[i] = sign * d[i]
-        row[3 + i] = sign * moment[i]
+    row[0] = sign * d[0]
+    row[1] = sign * d[1]
+    row[2] = sign * d[2]
+    row[3] = sign * moment[0]
+    row[4] = sign * moment[1]
+    row[5] = sign * moment[2]
     for i in range(N_RIGID, len(row)):
         row[i] = 0.0
 
 
 @kernel
-def add_modes(points: SpatialPoints, field: FloatArray, p: int, d: Vector, row: FloatArray) -> None:
-    """Add Phi_k.d or Psi_k.d of all modes k, d in the frame."""
+def add_modes(
+    points: SpatialPoints, field: FloatArray, p: int, a: Vector, b: Vector, c: Vector, normal: FloatArray,
+    first: FloatArray, second: FloatArray,
+) -> None:  # fmt: skip
+    """Add Phi_k.d or Psi_k.d of all modes k, for d = a, b, c in the frame, to the three rows."""
     start = points.start[p]
     for k in range(points.start[p + 1] - start):
-        row[N_RIGID + k] += field[start + k, 0] * d[0] + field[start + k, 1] * d[1] + field[start + k, 2] * d[2]
+        x, y, z = field[start + k, 0], field[start + k, 1], field[start + k, 2]
+        normal[N_RIGID + k] += x * a[0] + y * a[1] + z * a[2]
+        first[N_RIGID + k] += x * b[0] + y * b[1] + z * b[2]
+        second[N_RIGID + k] += x * c[0] + y * c[1] + z * c[2]
 
 
 @kernel
 def add_material(
-    points: SpatialPoints, q: FloatArray, frame: Frame, p: int, weight: float, lever: Vector, d: Vector,
-    row: FloatArray,
+    points: SpatialPoints, q: FloatArray, frame: Frame, p: int, weight: float, lever: Vector, n: Vector, t: Vector,
+    normal: FloatArray, first: FloatArray, second: FloatArray,
 ) -> None:  # fmt: skip
-    """Add what the modes do at point p along d with a lever, both in the frame."""
-    add_modes(points, points.phi, p, scaled(weight, d), row)
-    if not is_zero(lever):
-        psi = modal_sum(points, points.psi, p, q, frame.modal)
-        moment = turned_back(tangent(psi[0], psi[1], psi[2]), cross(lever, d))
-        add_modes(points, points.psi, p, scaled(weight, moment), row)
+    """Add what the modes do at point p along weight times n, t and n x t, by a lever; all in the frame."""
+    a, b = scaled(weight, n), scaled(weight, t)
+    c = cross(n, b)
+    add_modes(points, points.phi, p, a, b, c, normal, first, second)
+    if is_zero(lever):
+        return
+    psi = modal_sum(points, points.psi, p, q, frame.modal)
+    T = tangent(psi[0], psi[1], psi[2])
+    a, b, c = cross(lever, a), cross(lever, b), cross(lever, c)
+    add_modes(points, points.psi, p, turned_back(T, a), turned_back(T, b), turned_back(T, c), normal, first, second)
 
 
 @kernel
-def add_mean(
-    points: SpatialPoints, q: FloatArray, frame: Frame, mean: Mean, sign: float, lever: Vector, d: Vector,
-    row: FloatArray,
+def lay_rigid(
+    frame: Frame, s: Vector, lever: Vector, sign: float, n: Vector, t: Vector, normal: FloatArray, first: FloatArray,
+    second: FloatArray,
 ) -> None:  # fmt: skip
-    """Add what the modes do to a mean of points along d, in the frame."""
-    add_material(points, q, frame, mean.a, sign * mean.w[0], lever, d, row)
-    if mean.number > 1:
-        add_material(points, q, frame, mean.b, sign * mean.w[1], lever, d, row)
-    if mean.number > 2:
-        add_material(points, q, frame, mean.c, sign * mean.w[2], lever, d, row)
+    """The same of a rigid body, whose mean place is s."""
+    a, b = turned_back(frame.A, n), turned_back(frame.A, t)
+    arm = added(s, turned_back(frame.A, lever))
+    lay_block(normal, sign, n, cross(arm, a))
+    lay_block(first, sign, t, cross(arm, b))
+    lay_block(second, sign, cross(n, t), cross(arm, cross(a, b)))
+
+
+@kernel
+def lay_flexible(
+    points: SpatialPoints, q: FloatArray, frame: Frame, mean: Mean, lever: Vector, sign: float, n: Vector, t: Vector,
+    normal: FloatArray, first: FloatArray, second: FloatArray,
+) -> None:  # fmt: skip
+    """The same of a flexible one: a kernel of its own, as its code slows down what rigid bodies pass through."""
+    s = added(mean_undeformed(points, mean), mean_shape(points, q, frame.modal, mean))
+    lay_rigid(frame, s, lever, sign, n, t, normal, first, second)
+    a, b = turned_back(frame.A, n), turned_back(frame.A, t)
+    inner = turned_back(frame.A, lever)
+    for e in range(mean.number):
+        p = mean.a if e == 0 else (mean.b if e == 1 else mean.c)
+        add_material(points, q, frame, p, sign * mean.w[e], inner, a, b, normal, first, second)
 
 
 @kernel
@@ -302,15 +364,7 @@ def lay_side(
 
     lever, n, t: world axes.
     """
-    w = cross(n, t)
-    a, b = turned_back(frame.A, n), turned_back(frame.A, t)
-    c = cross(a, b)
-    inner = turned_back(frame.A, lever)
-    arm = added(mean_place(points, q, frame, mean), inner)
-    lay_block(normal, sign, n, cross(arm, a))
-    lay_block(first, sign, t, cross(arm, b))
-    lay_block(second, sign, w, cross(arm, c))
-    if not is_rigid(points, mean.a):
-        add_mean(points, q, frame, mean, sign, inner, a, normal)
-        add_mean(points, q, frame, mean, sign, inner, b, first)
-        add_mean(points, q, frame, mean, sign, inner, c, second)
+    if is_rigid(points, mean.a):
+        lay_rigid(frame, mean_undeformed(points, mean), lever, sign, n, t, normal, first, second)
+    else:
+        lay_flexible(points, q, frame, mean, lever, sign, n, t, normal, first, second)
