@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lcpflex.basics.lengths import lengths
 from lcpflex.contact.detection import ContactTable, detect
 from lcpflex.contact.narrow_phase.feature import depth_of_feature, foot_margin, is_wall, refresh
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
@@ -16,7 +17,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.configuration import advance, difference
 from lcpflex.model.arrays import Model
-from lcpflex.model.planar import N_RIGID
+from lcpflex.model.layout import dimension, is_spatial
 from lcpflex.steppers.recorder import Recorder
 from lcpflex.steppers.system import System
 
@@ -159,23 +160,36 @@ class Passages:
         model = self._model
         extents = model.contacts.surface_extent[np.isfinite(model.contacts.surface_extent)]
         size = float(extents[extents > 0.0].min(initial=math.inf))
-        first = model.bodies.dof[:-1]
-        step = after - before
-        turn = float(np.abs(step[first + 2]).max(initial=0.0))
-        moves = np.hypot(step[first], step[first + 1]) + self._swings(step)
+        step = self._step(before, after)
+        turn = float(self._rigid(step, turns=True).max(initial=0.0))
+        moves = self._rigid(step) + self._swings(step)
         moved = float(np.sort(moves)[-2:].sum())
         return moved, int(min(MOST_PARTS, max(4.0, math.ceil(4.0 * moved / size), math.ceil(4.0 * turn))))
+
+    def _step(self, before: FloatArray, after: FloatArray) -> FloatArray:
+        """What moves one configuration to the other, as a velocity over 1 s (ndof,)."""
+        if not is_spatial(self._model):
+            return after - before
+        step = np.zeros(int(self._model.bodies.dof[-1]))
+        difference(self._model, before, after, step)
+        return step
+
+    def _rigid(self, step: FloatArray, turns: bool = False) -> FloatArray:
+        """(bodies,) how far each frame moves [m] or turns [rad]."""
+        size = dimension(self._model.bodies)
+        own = np.arange(size.components, size.rigid) if turns else np.arange(size.components)
+        return np.asarray(lengths(step[self._model.bodies.dof[:-1, None] + own]))
 
     def _swings(self, step: FloatArray) -> FloatArray:
         """(bodies,) how far the points of the surfaces of each body move against its frame, at most [m]."""
         contacts, dof = self._model.contacts, self._model.bodies.dof
-        swings = np.zeros(len(dof) - 1)
+        swings, rigid = np.zeros(len(dof) - 1), dimension(self._model.bodies).rigid
         mine = np.flatnonzero(contacts.surface_body >= 0)
         body = contacts.surface_body[mine]
-        far = np.hypot(*contacts.surface_center[mine].T) + contacts.surface_extent[mine]
-        swing = np.where(np.isfinite(far), far, 0.0) * np.abs(step[dof[body] + 2])
-        for k in np.flatnonzero(np.diff(dof)[body] > N_RIGID):
-            modal = step[dof[body[k]] + N_RIGID : dof[body[k] + 1]]
+        far = lengths(contacts.surface_center[mine]) + contacts.surface_extent[mine]
+        swing = np.where(np.isfinite(far), far, 0.0) * self._rigid(step, turns=True)[body]
+        for k in np.flatnonzero(np.diff(dof)[body] > rigid):
+            modal = step[dof[body[k]] + rigid : dof[body[k] + 1]]
             swing[k] += float(np.abs(contacts.surface_deflection[mine[k]][: len(modal)]) @ np.abs(modal))
         np.maximum.at(swings, body, swing)
         return swings

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from lcpflex.basics.lengths import lengths
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import numbers_of, parts_of
@@ -52,11 +53,11 @@ class Units:
         self._size = dimension(model.bodies)
         for b in range(len(model.bodies.mass)):
             ids = np.flatnonzero(points.body == b)
-            extent = float(np.max(_lengths(points.place[ids]), initial=0.0))
+            extent = float(np.max(lengths(points.place[ids]), initial=0.0))
             if self._size is not PLANE:  # a body that turns is no point, whatever is known of it
                 extent = max(extent, math.sqrt(float(np.trace(model.bodies.second[b])) / float(model.bodies.mass[b])))
             for s in np.flatnonzero(contacts.surface_body == b):
-                reach = float(_lengths(contacts.surface_center[s]) + contacts.surface_extent[s])
+                reach = float(lengths(contacts.surface_center[s]) + contacts.surface_extent[s])
                 extent = max(extent, reach if math.isfinite(reach) else 0.0)
             shapes = [points.phi[points.start[p] : points.start[p + 1]].T for p in ids]
             modes = int(dof[b + 1] - dof[b]) - self._size.rigid
@@ -74,20 +75,13 @@ class Units:
         moved = np.zeros((*change.shape[:-1], self.count))
         _, rigid, components = self._size
         for b, (first, last, extent, phi) in enumerate(self._bodies):
-            moved[..., b] = _lengths(change[..., first : first + components])
-            moved[..., b] += extent * _lengths(change[..., first + components : first + rigid])
+            moved[..., b] = lengths(change[..., first : first + components])
+            moved[..., b] += extent * lengths(change[..., first + components : first + rigid])
             if phi.size:
                 bent = np.abs(change[..., first + rigid : last]) @ np.abs(phi.T)
                 places = bent.reshape(*bent.shape[:-1], phi.shape[0] // components, components)
-                moved[..., b] += _lengths(places).max(axis=-1)
+                moved[..., b] += lengths(places).max(axis=-1)
         return moved
-
-
-def _lengths(vectors: FloatArray) -> FloatArray:
-    """Of vectors (..., 1 to 3)."""
-    if vectors.shape[-1] == 2:
-        return np.hypot(vectors[..., 0], vectors[..., 1])
-    return np.abs(vectors[..., 0]) if vectors.shape[-1] == 1 else np.linalg.norm(vectors, axis=-1)
 
 
 def ranges_of(model: Model, q: FloatArray, u: FloatArray) -> FloatArray:

@@ -1,0 +1,93 @@
+"""Whether a pair of features goes through each other on the path of a step in space."""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
+from lcpflex.contact.spatial.pairs import foot_margin, refresh
+from lcpflex.contact.spatial.table import EDGE_EDGE, NODE_FACET, RIM_FACET, SpatialContactTable
+from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.spatial.rotations import compose, conjugate, exponential, logarithm, unit
+from lcpflex.model.spatial import N_PLACE, SpatialModel
+from lcpflex.steppers.passages import CLIPPED, LOOKS, WITHIN
+
+__all__ = ["crosses", "on_way"]
+
+
+@kernel
+def on_way(model: SpatialModel, before: FloatArray, after: FloatArray, share: float, q: FloatArray) -> None:
+    """The configuration at a share of the path, along which bodies move and turn evenly, by the shorter way."""
+    place = model.bodies.place
+    for b in range(len(place) - 1):
+        i = place[b]
+        for k in range(3):
+            q[i + k] = before[i + k] + share * (after[i + k] - before[i + k])
+        p = (before[i + 3], before[i + 4], before[i + 5], before[i + 6])
+        x, y, z = logarithm(compose(conjugate(p), (after[i + 3], after[i + 4], after[i + 5], after[i + 6])))
+        w, x, y, z = unit(compose(p, exponential(share * x, share * y, share * z)))
+        q[i + 3] = w
+        q[i + 4] = x
+        q[i + 5] = y
+        q[i + 6] = z
+        for k in range(i + N_PLACE, place[b + 1]):
+            q[k] = before[k] + share * (after[k] - before[k])
+
+
+@kernel
+def depth_of_entry(model: SpatialModel, table: SpatialContactTable, k: int) -> float:
+    """How deep i of entry k may be below the feature of j before it belongs to the other side [m].
+
+    No deeper than to the centre of a sphere, or the axis of an edge that is round. Of two edges, and of a rim, nodes
+    and facets beside them tell.
+    """
+    if table.kind[k] == EDGE_EDGE or table.kind[k] == RIM_FACET:
+        return math.inf
+    reach = model.contacts.feature_depth[table.key[k] % len(model.contacts.feature_kind)]
+    if table.kind[k] != NODE_FACET and table.radius[k, 1] >= 0.0:
+        reach = min(reach, table.radius[k, 1])
+    return reach
+
+
+@kernel
+def is_wall(table: SpatialContactTable, k: int) -> bool:
+    """Whether the feature of entry k is passed in a straight line through it only: a facet, or the wall of a hole."""
+    return table.kind[k] == NODE_FACET or table.radius[k, 1] < 0.0
+
+
+@kernel
+def crosses(
+    model: SpatialModel, table: SpatialContactTable, k: int, before: FloatArray, after: FloatArray, low: float,
+    high: float, free: bool, q: FloatArray,
+) -> bool:  # fmt: skip
+    """Whether the node of entry k goes through its feature, or over a round one, between two shares of the path.
+
+    Entry k: as it is at ``low``. Where the path is ``free``, half as deep as that, or a little into what is round,
+    wherever it ends: what was found there might as well have been missed.
+    """
+    limit = table.radius[k, 0] + depth_of_entry(model, table, k)  # beyond, the node is behind what it touches
+    if limit == math.inf:
+        return False
+    if free:
+        limit *= WITHIN
+    deepest = table.gap[k]
+    f = deepest
+    for look in range(1, LOOKS + 1):
+        share = low + (high - low) * look / LOOKS
+        on_way(model, before, after, share, q)
+        refresh(model, q, table, k)
+        last, f = f, table.gap[k]
+        if last > -limit >= f and is_wall(table, k):
+            part = (last + limit) / (last - f)
+            on_way(model, before, after, share - (1.0 - part) * (high - low) / LOOKS, q)
+            refresh(model, q, table, k)
+            if foot_margin(model, q, table, k) >= -SPAN_TOLERANCE:
+                return True
+        deepest = min(deepest, f)
+    if is_wall(table, k):
+        return False
+    if free:
+        return deepest < -CLIPPED / WITHIN * limit
+    on_way(model, before, after, 1.0, q)
+    refresh(model, q, table, k)
+    return max(-deepest, 0.0) - max(-table.gap[k], 0.0) > CLIPPED * limit
