@@ -12,15 +12,15 @@ on. No error is larger than twice the range of the motion itself.
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics.lengths import lengths
 from lcpflex.contact.narrow_phase.feature import SEGMENT
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.layout import dimension, place_offsets
-from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.records import Records
 from lcpflex.steppers.step_error import ORDER, Units, ranges_of
 
@@ -152,32 +152,33 @@ class _Episodes:
     def __init__(
         self, model: Model, units: Units, step: float, data: dict[str, FloatArray], first: IntArray, last: IntArray
     ) -> None:
-        self._step = step
+        self._step, size = step, dimension(model.bodies)
+        self._moves, self._turns = slice(size.components), slice(size.components, size.rigid)
         self._cornered, self._curved, self._partners = _shapes(model, units)
         self._restitution = model.contacts.restitution
         stiffness = np.zeros(int(model.bodies.dof[-1]))  # of each coordinate, over its mass [1/s^2]
         self._lasts = slowest_vibrations(model.bodies)
         self._unseen = np.zeros(units.count)  # share of its directions in which a body vibrates within a step
         for b, (d, end) in enumerate(pairwise(model.bodies.dof.tolist())):
-            own = stiffness[d + N_RIGID : end]
-            own[:] = model.bodies.stiffness[d - N_RIGID * b : end - N_RIGID * b - N_RIGID]
-            self._unseen[b] = np.minimum(1.0, own * step**2 / 12.0).sum() / (len(own) + 2)
+            own = stiffness[d + size.rigid : end]
+            own[:] = model.bodies.stiffness[d - size.rigid * b : end - size.rigid * b - size.rigid]
+            self._unseen[b] = np.minimum(1.0, own * step**2 / 12.0).sum() / (len(own) + size.components)
         held = np.unique(model.points.body[model.joints.point])
         self._lasts[held[held >= 0]] *= CLAMPED
         # of all impacts (m, units): begin and end [s], velocities there of frames, and of places, vibrations apart
         times, u, before = data["times"], data["u"], np.maximum(first - 1, 0)
-        frames = model.bodies.dof[:-1, None] + np.arange(N_RIGID)
+        frames = model.bodies.dof[:-1, None] + np.arange(size.rigid)
         self._begin, self._end, self._spell = times[first], times[last], times[first] - times[before]
         self._rigid, self._left = u[first][:, frames], u[last][:, frames]
         self._fast, self._changed = units.of(u[first]), units.of(u[last] - u[first])
         # a vibration that is met half a step late has another velocity by then
-        self._pulled = 0.5 * step * units.of(stiffness * data["q"][first])
+        self._pulled = 0.5 * step * units.of(stiffness * _modal(model, data["q"][first]))
         # by forces other than gravity: what falls freely comes later, but comes
         spell = np.where(self._spell > 0.0, self._spell, np.inf)[:, None, None]
-        drawn = (self._rigid - u[before][:, frames])[..., :2] / spell - model.loads.gravity * np.isfinite(spell)
-        self._pull = np.hypot(drawn[..., 0], drawn[..., 1])
+        drawn = (self._rigid - u[before][:, frames])[..., self._moves] / spell
+        self._pull = lengths(drawn - model.loads.gravity * np.isfinite(spell))
         self._seen, self._last = np.full(units.count, -np.inf), np.full(len(self._curved), -np.inf)
-        self._begun = np.zeros((units.count, 3))  # velocities before the episode
+        self._begun = np.zeros((units.count, size.rigid))  # velocities before the episode
         self._speed = np.zeros(units.count)  # errors before it
         self.shaken = np.zeros(units.count)  # errors of velocities that vibrations are left with, squared
 
@@ -190,7 +191,8 @@ class _Episodes:
         fresh = now - self._seen > lasts
         self._begun[fresh], self._speed[fresh] = self._rigid[k][fresh], speed[fresh]
         jump = self._left[k] - self._begun
-        moved = np.hypot(jump[:, 0], jump[:, 1])
+        moved = lengths(jump[:, self._moves])
+        turned, turning = lengths(jump[:, self._turns]), lengths(self._begun[:, self._turns])
         out = speed.copy()
         for law in laws:
             pair = self._partners[law]
@@ -208,9 +210,9 @@ class _Episodes:
             steep = met / parting if GRAZING * parting > met else GRAZING
             for b in pair.tolist():
                 share = moved[b] / parting if moved[b] > 0.0 else 0.0
-                turning = self._cornered[b] * (abs(jump[b, 2]) + abs(self._begun[b, 2]) * share)
+                spun = self._cornered[b] * (turned[b] + turning[b] * share)
                 tilted = moved[b] * (1.0 + steep) * self._curved[law]
-                out[b] = max(out[b], self._speed[b] + off * (turning + tilted) + (graze + bounced) * moved[b])
+                out[b] = max(out[b], self._speed[b] + off * (spun + tilted) + (graze + bounced) * moved[b])
                 self._seen[b] = now
         return out
 
@@ -224,15 +226,15 @@ def _shapes(model: Model, units: Units) -> tuple[FloatArray, FloatArray, list[In
     contacts = model.contacts
     cornered, curved = np.zeros(units.count), np.zeros(len(contacts.friction))
     partners: list[set[int]] = [set() for _ in contacts.friction]
-    kinds = [contacts.feature_kind[a:b] for a, b in pairwise(contacts.feature_start.tolist())]
     widest = [float(np.max(contacts.node_radius[a:b], initial=0.0)) for a, b in pairwise(contacts.node_start.tolist())]
-    for body, kind in zip(contacts.surface_body.tolist(), kinds, strict=True):
-        if body >= 0 and (kind == SEGMENT).any():
+    straight = [_is_straight(contacts, s) for s in range(len(contacts.surface_body))]
+    for body, sides in zip(contacts.surface_body.tolist(), straight, strict=True):
+        if body >= 0 and sides:
             cornered[body] = 1.0
     for node, feature, law in zip(contacts.pass_node, contacts.pass_feature, contacts.pass_law, strict=True):
         bodies = [int(b) for b in contacts.surface_body[[node, feature]] if b >= 0]
         partners[law].update(bodies)
-        if (kinds[feature] != SEGMENT).all() and widest[node] > 0.0:
+        if not straight[feature] and widest[node] > 0.0:
             own = slice(contacts.feature_start[feature], contacts.feature_start[feature + 1])
             radius = widest[node] + float(np.abs(contacts.feature_radius[own]).max(initial=0.0))
             curved[law] = max(curved[law], 1.0 / radius)
@@ -240,6 +242,25 @@ def _shapes(model: Model, units: Units) -> tuple[FloatArray, FloatArray, list[In
             extents = [units.extent(b) for b in bodies if cornered[b]]
             curved[law] = max([curved[law], *(1.0 / extent for extent in extents if extent > 0.0)])
     return cornered, curved, [np.array(sorted(pair), dtype=np.int64) for pair in partners]
+
+
+def _is_straight(contacts: Any, surface: int) -> bool:
+    """Whether a surface has sides or corners: segments, in space anything without a radius."""
+    first, last = contacts.feature_start[surface : surface + 2].tolist()
+    if hasattr(contacts, "node_span"):
+        return bool((contacts.feature_kind[first:last] == SEGMENT).any())
+    own = slice(*contacts.node_start[surface : surface + 2].tolist())
+    return bool((contacts.feature_radius[first:last] == 0.0).any() or (contacts.node_radius[own] == 0.0).any())
+
+
+def _modal(model: Model, q: FloatArray) -> FloatArray:
+    """Modal coordinates of q (m, nq) in the places of their rates (m, ndof); what is there else has no stiffness."""
+    bodies = model.bodies
+    place, size = place_offsets(bodies), dimension(bodies)
+    found = np.zeros((len(q), int(bodies.dof[-1])))
+    for b, (d, end) in enumerate(pairwise(bodies.dof.tolist())):
+        found[:, d + size.rigid : end] = q[:, int(place[b]) + size.places : int(place[b + 1])]
+    return found
 
 
 def scene_size(result: Result) -> float | None:
