@@ -64,6 +64,7 @@ def fits(work: Workspace, i: int) -> bool:
     return bool(size <= len(work.problem.friction))
 
 
+@in_space("lcpflex.dynamics.spatial.contact_problem")
 @kernel
 def pose_island(work: Workspace, i: int) -> None:
     """``work.problem`` of the contacts of island i."""

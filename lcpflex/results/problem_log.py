@@ -13,6 +13,7 @@ from lcpflex.errors import ModelError, shown, writable_path
 from lcpflex.solvers.benchmark.files import save_problems
 from lcpflex.solvers.contact.posed import posed_problem
 from lcpflex.solvers.contact.problem import ContactProblem
+from lcpflex.solvers.contact.spatial import SpatialContactProblem
 
 if TYPE_CHECKING:
     from lcpflex.solvers.contact.memory import ContactData, SolverMemory
@@ -80,7 +81,9 @@ class ProblemLog:
     name: Callable[[int], str]
     seen: int = 0
     stride: int = 1
-    kept: list[tuple[float, int, str, Lcp | ContactProblem]] = field(default_factory=list)  # hardness, number, ...
+    kept: list[tuple[float, int, str, Lcp | ContactProblem | SpatialContactProblem]] = field(
+        default_factory=list
+    )  # hardness, number, ...
 
     def __post_init__(self) -> None:
         self.stride = self.request.every or 1
@@ -123,10 +126,12 @@ class ProblemLog:
         self.kept.append((hardness, number, name, _problem(data, memory, contacts)))
 
 
-def _problem(data: ContactData, memory: SolverMemory, contacts: list[str]) -> Lcp | ContactProblem:
+def _problem(
+    data: ContactData, memory: SolverMemory, contacts: list[str]
+) -> Lcp | ContactProblem | SpatialContactProblem:
     """A copy of the problem; its contacts by their names and the places where they touch."""
     problem = posed_problem(data, memory)
-    if not isinstance(problem, ContactProblem):
+    if not isinstance(problem, ContactProblem | SpatialContactProblem):
         return problem
     keys = (f"{name}#{key}" for name, key in zip(contacts, problem.keys, strict=True))
     return replace(problem, keys=tuple(keys))

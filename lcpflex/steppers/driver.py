@@ -8,14 +8,19 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
+from typing import Any
+
+import numpy as np
 
 from lcpflex.dynamics.contact_problem import pose_island
 from lcpflex.dynamics.workspace import DENSE, NO_LIMIT, Workspace
-from lcpflex.errors import SolverError
+from lcpflex.errors import ModelError, SolverError
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.certificate import guarded_residual
 from lcpflex.solvers.contact.compiled import solve_contacts
+from lcpflex.solvers.contact.cones.dense import solve_cones
+from lcpflex.solvers.contact.cones.memory import COMPILED, POSED, SpatialContactData
 from lcpflex.solvers.contact.memory import ContactData, SolverMemory
 from lcpflex.solvers.contact.methods import AUTO, METHODS
 from lcpflex.solvers.contact.posed import (
@@ -27,6 +32,7 @@ from lcpflex.solvers.contact.posed import (
     take_solution,
     tried_point,
 )
+from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.problem import LcpSolver, Solution, Status
 from lcpflex.solvers.user_solver import UserSolver, as_solver, own_part
 from lcpflex.steppers.island_problems import tell_island
@@ -46,9 +52,20 @@ TRIALS = 10  # on perturbed data, for each problem: about as long as what has be
 MOST_RESCUES = 100  # of an island at one instant: a repeated step that comes to other problems each time would not end
 
 
-def solver_method(solver: LcpSolver) -> int:
-    """How the compiled ``solve_contacts`` is to solve; for a solver that is not compiled in, as Auto would."""
-    return METHODS.get(type(solver), AUTO)
+def solver_method(solver: LcpSolver, in_space: bool = False) -> int:
+    """How the compiled ``solve_contacts`` is to solve; for a solver that is not compiled in, as Auto would.
+
+    In space, where Auto alone is, others are to be given each problem. Raises ModelError for one that takes no cones.
+    """
+    if not in_space:
+        return METHODS.get(type(solver), AUTO)
+    if type(solver) is Auto:
+        return COMPILED
+    taker = as_solver(solver)
+    asked = getattr(taker, "refuses", None)
+    if reason := asked(SpatialContactProblem(np.eye(3), np.zeros(3), np.ones(1))) if callable(asked) else "":
+        raise ModelError(f"solver: {reason}")
+    return POSED
 
 
 def dense_limit(solver: LcpSolver) -> int:
@@ -56,16 +73,17 @@ def dense_limit(solver: LcpSolver) -> int:
     return DENSE if type(solver) is Auto else NO_LIMIT
 
 
-def solver_hooks(solver: LcpSolver, watch: Watch | None = None) -> Hooks:
+def solver_hooks(solver: LcpSolver, watch: Watch | None = None, in_space: bool = False) -> Hooks:
     """Replacement of the kernel ``solve_contacts`` by ``solver``, and by one that tells ``watch`` of each problem.
 
-    None for solvers that are compiled in, as long as nobody watches.
+    None for solvers that are compiled in, as long as nobody watches. In space the kernel is ``solve_cones``.
     """
-    compiled_in = type(solver) in METHODS  # not a class derived from one, which may do otherwise
+    kernel: Any = solve_cones if in_space else solve_contacts
+    compiled_in = type(solver) is Auto if in_space else type(solver) in METHODS  # not a class derived from one
     if watch is None:
-        return {} if compiled_in else {solve_contacts: PythonSolve(solver)}
-    watched = Watched(solve_contacts if compiled_in else PythonSolve(solver), watch)
-    return {solve_contacts: watched, tell_island: watched.tell}
+        return {} if compiled_in else {kernel: PythonSolve(solver)}
+    watched = Watched(kernel if compiled_in else PythonSolve(solver), watch)
+    return {kernel: watched, tell_island: watched.tell}
 
 
 class Watched:
@@ -83,6 +101,9 @@ class Watched:
     def tell(self, work: Workspace, i: int) -> None:
         """Pose island i densely, for the one who is told: it was solved in another form."""
         pose_island(work, i)
+        if isinstance(work.problem, SpatialContactData):
+            self._watch(work.problem, work.solver)
+            return
         work.solver.residual, work.solver.strict = work.large_solver.residual, work.large_solver.strict
         work.solver.iterations = work.large_solver.factors
         self._watch(work.problem, work.solver)
@@ -154,7 +175,11 @@ class Rescue:
         data, memory = work.problem, work.solver
         points = [tried_point(memory)]
         if type(self._solver) is Auto:
-            solution = self._solver.attempt(posed_problem(data, memory), None, TRIALS)
+            problem = posed_problem(data, memory)
+            if isinstance(problem, SpatialContactProblem):
+                solution = solve_anyhow(problem)
+            else:
+                solution = self._solver.attempt(problem, None, TRIALS)
             # what fractions know to be solved, floats may refuse: once they have, it is not told to them again
             stands = times == 0 or guarded_residual(*measured(data, memory, solution.z)[0]) <= self._tolerance
             if solution.residual <= self._tolerance and stands:
@@ -171,6 +196,11 @@ class Rescue:
     def remarks(self, name: Callable[[int], str]) -> list[str]:
         """The warning of problems that rounding did not let be solved any better; name: of a declared contact."""
         return self._wedged.remarks(name)
+
+
+def solve_anyhow(problem: SpatialContactProblem) -> Solution:
+    """What Auto makes of a spatial problem, from nothing."""
+    return Auto().solve(problem)
 
 
 def _unsolved(memory: SolverMemory, status: int, tolerance: float) -> str:

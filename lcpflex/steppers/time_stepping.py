@@ -10,6 +10,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import IntArray
 from lcpflex.jit.struct import copy_parts
+from lcpflex.model.layout import is_spatial
 from lcpflex.solvers.contact.large.memory import widen
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.cold_islands import give_start
@@ -91,7 +92,7 @@ class TimeStepping:
         self.system, self.scheme, self.support = system, scheme, support
         self.records = Records(system)
         self.work = system.workspace(FIRST_ROOM)
-        self.work.solver.method = solver_method(solver)
+        self.work.solver.method = solver_method(solver, is_spatial(system.model))
         self.work.dense_limit = dense_limit(solver)
         self.work.strict_large = on_unsolved == RAISE
         self._budget = budget
@@ -101,7 +102,7 @@ class TimeStepping:
         self.records.missed_friction = self.work.compliant.missed
         self._rescue = Rescue(solver, scheme.tolerance)
         self._several = SeveralMotions()
-        self.solving = solver_hooks(self._rescue.solver, system.watch)
+        self.solving = solver_hooks(self._rescue.solver, system.watch, is_spatial(system.model))
 
     def link(self, loop: Callable[..., int]) -> Callable[..., int]:
         """``loop`` with the functions of the system and the solver in place."""

@@ -13,9 +13,8 @@ from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.certificate import guarded_residual, strict_residual
 from lcpflex.solvers.contact.cones.certificate import natural_miss
-from lcpflex.solvers.contact.cones.dense import CRAWLING, LOOK, POLISH, SETTLED, SLIDING, SWEEPS, is_settled
+from lcpflex.solvers.contact.cones.dense import CRAWLING, LOOK, POLISH, SETTLED, SLIDING, is_settled
 from lcpflex.solvers.contact.cones.local import NONE, solve_cone
-from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED
 
 __all__ = ["judge_island", "sweep_island"]
 
@@ -144,18 +143,17 @@ def sweep(work: SpatialWork, i: int) -> float:
 
 
 @kernel
-def sweep_island(work: SpatialWork, i: int) -> int:
-    """Sweeps from the forces ``work.p`` of island i until they are good enough; 0 where they are.
+def sweep_island(work: SpatialWork, i: int, most: float, patient: bool) -> bool:
+    """Sweeps from the forces ``work.p`` of island i until they are good enough, ``most`` in all; whether they are.
 
     Where something slides that is the tolerance; where all that press stick, rounding if that can be had: what rests
-    does not creep.
+    does not creep. Fewer sweeps where they crawl and one is not ``patient``.
     """
     memory = work.solver
     tolerance = memory.tolerance
-    memory.iterations = 0.0
     judge_island(work, i)
     polished = 0
-    while memory.iterations < SWEEPS:
+    while memory.iterations < most:
         if memory.residual <= tolerance:
             if memory.sliding == 1 or polished >= POLISH or is_settled(memory):
                 break
@@ -167,6 +165,6 @@ def sweep_island(work: SpatialWork, i: int) -> int:
             if sweep(work, i) <= goal:
                 break
         judge_island(work, i)
-        if memory.residual <= tolerance and polished > 0 and memory.worst > CRAWLING * before:
+        if memory.worst > CRAWLING * before and not patient:
             break
-    return SOLVED if memory.residual <= tolerance else ITERATION_LIMIT
+    return bool(memory.residual <= tolerance)

@@ -143,7 +143,7 @@ def describe_contacts(work: SpatialWork, i: int) -> int:
                 part[found] = work.n_contacts + j + t
                 problem.terms[3 * c + 1 + t] = work.terms[part[found]]
                 found += 1
-    problem.n_contacts = n
+    problem.n_contacts, problem.n_tangents = n, 2 * n
     problem.on_sets = work.on_sets
     problem.shifted = work.shifted
     return found

@@ -19,6 +19,7 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import IntArray
 from lcpflex.jit.struct import copy_parts, lengthen, numbers_of
+from lcpflex.model.layout import is_spatial
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.contact.posed import own_pull, posed_lcp, put_solution
 from lcpflex.solvers.lcp.enumeration import Enumeration
@@ -89,14 +90,14 @@ class EventDrivenSteps:
         self._proven = True  # that there was no solution where none was found
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
         self._work = system.workspace(FIRST_ROOM)
-        self._work.solver.method = solver_method(stepper.solver)
+        self._work.solver.method = solver_method(stepper.solver, is_spatial(system.model))
         self.clock = event_memory(system, FIRST_ROOM, 64, FIRST_ROOM)
         self.clock.step = 0.0 if stepper.first_step is None else stepper.first_step
         self.clock.last_event = -math.inf
         self.clock.gentlest = math.inf
         begin_laws(system, self._work)
         self.records.indentation = self._work.compliant.history.worst
-        self._solving = solver_hooks(self._rescue.solver, system.watch)
+        self._solving = solver_hooks(self._rescue.solver, system.watch, is_spatial(system.model))
         self._advance = link(advance, {**system.hooks, **self._solving})
 
     @property

@@ -5,19 +5,24 @@ Without joints in the velocities of its bodies; with joints, or by a solver of t
 
 from __future__ import annotations
 
+import math
+
 from lcpflex.dynamics.contact_problem import fits
 from lcpflex.dynamics.spatial.cone_sweeps import sweep_island
 from lcpflex.dynamics.spatial.contact_problem import describe_island, has_joints, pose_island, take_forces
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import kernel
-from lcpflex.solvers.contact.cones.dense import solve_cones
-from lcpflex.solvers.contact.cones.memory import POSED, SOLUTION_KNOWN
+from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, SWEEPS, solve_cones
+from lcpflex.solvers.contact.cones.memory import NOTHING_KNOWN, POSED
 from lcpflex.solvers.contact.cones.recollection import keep_force, known_force
 from lcpflex.solvers.contact.recollection import place_of, turn_over
+from lcpflex.steppers.island_problems import tell_island
 from lcpflex.steppers.recorder import Recorder, note_certificate
 from lcpflex.steppers.status import RunStatus
 
 __all__ = ["shorten_forces", "solve_island", "solve_islands"]
+
+LAST_WORD = 128  # contacts of the largest island that is posed densely where sweeps have failed
 
 
 @kernel
@@ -66,14 +71,15 @@ def pose_begun(work: SpatialWork, i: int) -> None:
 
 
 @kernel
-def solve_posed(work: SpatialWork, i: int, tolerance: float, warm: bool) -> int:
-    """Island i as one dense problem: DONE, GROW or SOLVER_FAILED."""
+def solve_posed(work: SpatialWork, i: int, tolerance: float) -> int:
+    """Island i as one dense problem, from the forces ``work.p``: DONE, GROW or SOLVER_FAILED."""
     memory = work.solver
     if not fits(work, i):
         return RunStatus.GROW
-    if memory.known != SOLUTION_KNOWN:  # else one waits for the problem posed
-        begin_island(work, i, warm)
+    if memory.known == NOTHING_KNOWN:
         pose_begun(work, i)
+    else:  # forces wait for the problem posed
+        pose_island(work, i)
     work.number = solve_cones(work.problem, memory)
     if work.number != 0 or not memory.residual <= tolerance:
         return RunStatus.SOLVER_FAILED
@@ -82,25 +88,66 @@ def solve_posed(work: SpatialWork, i: int, tolerance: float, warm: bool) -> int:
 
 
 @kernel
+def solve_in_bodies(work: SpatialWork, i: int) -> bool:
+    """Island i in the velocities of its bodies, from the forces ``work.p``; whether they are good enough."""
+    memory = work.solver
+    n = work.islands.start[i + 1] - work.islands.start[i]
+    yes = n >= 0  # a literal would have it compiled once more
+    describe_island(work, i)
+    memory.size, memory.iterations = 3 * n, 0.0
+    if sweep_island(work, i, FIRST_SWEEPS, not yes):
+        return True
+    return n > LAST_WORD and sweep_island(work, i, SWEEPS, yes)
+
+
+@kernel
+def go_on(work: SpatialWork, i: int, solved: bool, recorder: Recorder) -> int:
+    """Note how island i was solved; an island of many contacts that was not is an error, or is gone on with."""
+    if not solved:
+        work.large.n_contacts = work.islands.start[i + 1] - work.islands.start[i]
+        work.large_solver.sweeps = int(work.solver.iterations)
+        work.large_solver.residual, work.large_solver.strict = work.solver.residual, work.solver.strict
+        if work.strict_large == 1:
+            work.unsolved_large = 1
+            return RunStatus.SOLVER_FAILED
+        work.unsolved += 1
+        note_unsolved(work, recorder)
+    tell_island(work, i)
+    note_certificate(work, recorder)
+    return RunStatus.DONE
+
+
+@kernel
+def note_unsolved(work: SpatialWork, recorder: Recorder) -> None:
+    """Count the island that was not solved, once for its step."""
+    counts, memory = recorder.counts, work.solver
+    if work.unsolved == 1:
+        counts.unsolved += 1.0
+    counts.unsolved_islands += 1.0
+    counts.worst_unsolved = max(counts.worst_unsolved, memory.residual)
+    counts.worst_unsolved_strict = max(counts.worst_unsolved_strict, memory.strict)
+    counts.typical_unsolved += math.log(max(memory.strict, 1e-300))
+
+
+@kernel
 def solve_island(work: SpatialWork, i: int, tolerance: float, warm: bool, recorder: Recorder) -> int:
     """Forces of the contacts of island i to ``work.p``; DONE, GROW, or SOLVER_FAILED with the reason in the workspace.
 
     warm: from what contacts did in the last step.
     """
-    memory = work.solver
+    memory, islands = work.solver, work.islands
     memory.tolerance = tolerance
-    if memory.method == POSED or work.lifted == 1 or memory.known == SOLUTION_KNOWN or has_joints(work, i):
-        status = solve_posed(work, i, tolerance, warm)
-        if status != RunStatus.DONE:
-            return status
-    else:
-        describe_island(work, i)
+    if memory.known == NOTHING_KNOWN:
         begin_island(work, i, warm)
-        memory.size = 3 * (work.islands.start[i + 1] - work.islands.start[i])
-        if sweep_island(work, i) != 0:
-            return solve_posed(work, i, tolerance, warm)
-    note_certificate(work, recorder)
-    return RunStatus.DONE
+        posed = memory.method == POSED or work.lifted == 1 or has_joints(work, i)
+        if not posed:
+            solved = solve_in_bodies(work, i)
+            if solved or islands.start[i + 1] - islands.start[i] > LAST_WORD:
+                return go_on(work, i, solved, recorder)
+    status = solve_posed(work, i, tolerance)
+    if status == RunStatus.DONE:
+        note_certificate(work, recorder)
+    return status
 
 
 @kernel

@@ -11,10 +11,17 @@ import numpy as np
 
 from lcpflex.jit.kernel import kernel
 from lcpflex.solvers.balance import contact_units
-from lcpflex.solvers.certificate import ROUNDING, guarded_residual, strict_residual
+from lcpflex.solvers.certificate import ROUNDING, guarded_residual, strict_residual, terms_residual
 from lcpflex.solvers.contact.cones.certificate import cone_parts
 from lcpflex.solvers.contact.cones.local import NONE, solve_cone
-from lcpflex.solvers.contact.cones.memory import NOTHING_KNOWN, SpatialContactData, SpatialSolverMemory
+from lcpflex.solvers.contact.cones.memory import (
+    NOTHING_KNOWN,
+    SOLUTION_KNOWN,
+    WEDGED_KNOWN,
+    SpatialContactData,
+    SpatialSolverMemory,
+)
+from lcpflex.solvers.contact.cones.newton import newton, proximal
 from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED
 
 __all__ = ["CRAWLING", "LOOK", "POLISH", "SETTLED", "SLIDING", "SWEEPS", "is_settled", "solve_cones", "weigh_forces"]
@@ -23,7 +30,9 @@ FLOOR = 1e-3  # of the terms of which free velocities are made: less of them is 
 SETTLED, ROUNDED = 1e-14, 4.0  # what is left where nothing creeps: of the free velocities, and roundings of the terms
 SLIDING = 1e-6  # of the free velocities: a contact that slips by more is no resting one
 LOOK = 8  # sweeps between two judgements
-SWEEPS = 2000  # at most
+FIRST_SWEEPS, SWEEPS = 200.0, 2000.0  # at most: before Newton's method, and behind it
+SYSTEMS, PROXIMAL_SYSTEMS = 40, 400  # that Newton's method solves, and proximal points
+EXACT, PROXIMAL = 1e-15, 0.1  # of Alart and Curnier's function; of the tolerance
 POLISH = 40  # at most beyond the tolerance
 CRAWLING = 0.7  # of the residual left by LOOK sweeps: too much to go on for its sake
 
@@ -113,20 +122,10 @@ def sweep(data: SpatialContactData, memory: SpatialSolverMemory) -> float:
 
 
 @kernel
-def solve_cones(data: SpatialContactData, memory: SpatialSolverMemory) -> int:
-    """Solve a contact problem from the forces in ``memory``; 0 where solved. Residuals and iterations go there, too.
-
-    The Delassus operator is symmetric.
-    """
-    n = data.n_contacts
-    memory.size, memory.iterations, memory.known = 3 * n, 0.0, NOTHING_KNOWN
-    describe(data, memory)
-    for k in range(n):
-        if data.friction[k] == 0.0:
-            memory.force[3 * k + 1], memory.force[3 * k + 2] = 0.0, 0.0
-    weigh_forces(data, memory)
+def sweep_on(data: SpatialContactData, memory: SpatialSolverMemory, most: float, patient: bool) -> bool:
+    """Sweeps until the forces are good enough, ``most`` in all, fewer where they crawl and one is not ``patient``."""
     polished, tolerance = 0, memory.tolerance
-    while memory.iterations < SWEEPS:
+    while memory.iterations < most:
         if memory.residual <= tolerance:
             if memory.sliding == 1 or polished >= POLISH or is_settled(memory):
                 break
@@ -138,6 +137,74 @@ def solve_cones(data: SpatialContactData, memory: SpatialSolverMemory) -> int:
             if sweep(data, memory) <= goal:
                 break
         weigh_forces(data, memory)
-        if memory.residual <= tolerance and polished > 0 and memory.worst > CRAWLING * before:
+        if memory.worst > CRAWLING * before and not patient:
             break
-    return SOLVED if memory.residual <= tolerance else ITERATION_LIMIT
+    return bool(memory.residual <= tolerance)
+
+
+@kernel
+def newton_on(data: SpatialContactData, memory: SpatialSolverMemory) -> bool:
+    """Newton's method from the forces in ``memory``, then proximal points; whether they are good enough.
+
+    What does not make them better is not kept.
+    """
+    n, unit, G, work = data.n_contacts, memory.unit, data.delassus, memory.newton
+    W, free, force = memory.alike, memory.alike_free, memory.alike_force
+    for r in range(3 * n):
+        own = unit[r // 3]
+        free[r] = own * data.free[r]
+        for s in range(3 * n):
+            W[r, s] = own * unit[s // 3] * G[r, s]
+    for way in range(2):
+        before = memory.worst
+        for r in range(3 * n):
+            force[r] = memory.force[r] / unit[r // 3]
+            memory.aside[r] = memory.force[r]
+        if way == 0:
+            _, solved = newton(W, free, data.friction, n, 0.0, force, EXACT * memory.load, SYSTEMS, work)
+        else:
+            _, solved = proximal(W, free, data.friction, n, force, PROXIMAL * memory.tolerance, PROXIMAL_SYSTEMS, work)
+        memory.iterations += 1.0 * solved
+        for r in range(3 * n):
+            memory.force[r] = unit[r // 3] * force[r]
+        weigh_forces(data, memory)
+        if not memory.worst <= before:
+            for r in range(3 * n):
+                memory.force[r] = memory.aside[r]
+            weigh_forces(data, memory)
+        if memory.residual <= memory.tolerance:
+            return True
+    return False
+
+
+@kernel
+def begin(data: SpatialContactData, memory: SpatialSolverMemory) -> None:
+    """Describe the problem and weigh the forces that it begins from."""
+    n = data.n_contacts
+    memory.size, memory.iterations = 3 * n, 0.0
+    describe(data, memory)
+    for k in range(n):
+        if data.friction[k] == 0.0:
+            memory.force[3 * k + 1], memory.force[3 * k + 2] = 0.0, 0.0
+    weigh_forces(data, memory)
+
+
+@kernel
+def solve_cones(data: SpatialContactData, memory: SpatialSolverMemory) -> int:
+    """Solve a contact problem from the forces in ``memory``; 0 where solved. Residuals and iterations go there, too.
+
+    The Delassus operator is symmetric. A few sweeps, Newton's method where they crawl, many sweeps where that fails.
+    """
+    known = memory.known
+    memory.known = NOTHING_KNOWN
+    begin(data, memory)
+    if known == WEDGED_KNOWN:
+        rounding = max(memory.worst, ROUNDING * memory.terms)
+        memory.residual = terms_residual(rounding, max(memory.terms, memory.load), memory.load)
+        return SOLVED if memory.residual <= memory.tolerance else ITERATION_LIMIT
+    if known == SOLUTION_KNOWN and memory.residual <= memory.tolerance:
+        return SOLVED
+    yes = memory.size >= 0  # a literal would have it compiled once more
+    if sweep_on(data, memory, FIRST_SWEEPS, not yes) or newton_on(data, memory):
+        return SOLVED
+    return SOLVED if sweep_on(data, memory, memory.iterations + SWEEPS, yes) else ITERATION_LIMIT

@@ -10,6 +10,7 @@ from typing import Any, cast
 
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.solvers.contact.cones.newton import ConeWork, cone_work
 from lcpflex.solvers.contact.recollection import fill_slots
 
 __all__ = [
@@ -20,13 +21,14 @@ __all__ = [
     "SpatialContactData",
     "SpatialRemembered",
     "SpatialSolverMemory",
+    "WEDGED_KNOWN",
     "cone_data",
     "cone_memory",
     "remembered_cones",
 ]
 
 COMPILED, POSED = 0, 1  # methods: POSED, each problem with its Delassus operator, for solvers that are not compiled in
-NOTHING_KNOWN, SOLUTION_KNOWN = 0, 1  # what is known of a problem; the latter: ``force`` is to be judged first
+NOTHING_KNOWN, SOLUTION_KNOWN, WEDGED_KNOWN = 0, 1, 2  # of a problem: ``force`` is to be judged, the last by its terms
 TOLERANCE = 1e-9  # of residuals, where nobody tells
 
 
@@ -65,6 +67,7 @@ class SpatialSolverMemory:
     terms: float  # size of what cancels in its velocities
     sliding: int  # 1: some contact slips at it
     force: FloatArray = array("rows")
+    aside: FloatArray = array("rows")  # forces to go back to
     velocity: FloatArray = array("rows")
     sums: FloatArray = array("rows")  # sum |G_ij r_j| + |free_i|
     slip: FloatArray = array("contacts")  # |u_T| / |r_T| of each contact in the last solution [m/s over N s]
@@ -72,6 +75,10 @@ class SpatialSolverMemory:
     unit: FloatArray = array("contacts")  # d = 1 / sqrt(max G_kk) of each contact
     tangent_row: IntArray = array("contacts")  # the first of its two rows in the scene; -1: without friction
     change: FloatArray = array("ndof")  # of the velocities of bodies by the forces
+    alike: FloatArray = array("rows", "rows")  # G, free velocities and forces in units of the contacts
+    alike_free: FloatArray = array("rows")
+    alike_force: FloatArray = array("rows")
+    newton: ConeWork
 
 
 @struct
@@ -99,7 +106,8 @@ def cone_memory(
     dense: of the largest that is posed with its Delassus operator, all if left out; ndof: velocities of the bodies.
     """
     rows = 3 * (capacity if dense is None else dense)
-    memory = allocate(SpatialSolverMemory, {"contacts": capacity, "rows": rows, "ndof": ndof})
+    sizes = {"contacts": capacity, "rows": rows, "ndof": ndof}
+    memory = allocate(SpatialSolverMemory, sizes, newton=cone_work(rows // 3))
     memory.tolerance = TOLERANCE
     if before is not None:
         memory.method, memory.known, memory.tolerance = before.method, before.known, before.tolerance

@@ -1,0 +1,82 @@
+"""The spatial contact problem of a compiled stepper for solvers that are Python: as data of its own, and back."""
+
+from __future__ import annotations
+
+from typing import NoReturn
+
+import numpy as np
+
+from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.contact.cones.memory import (
+    SOLUTION_KNOWN,
+    WEDGED_KNOWN,
+    SpatialContactData,
+    SpatialSolverMemory,
+)
+from lcpflex.solvers.contact.spatial import SpatialContactProblem
+from lcpflex.solvers.problem import Solution
+from lcpflex.solvers.refusals import NO_LCP
+
+__all__ = [
+    "measured",
+    "posed_lcp",
+    "posed_problem",
+    "put_solution",
+    "put_wedged",
+    "take_solution",
+    "tried_point",
+]
+
+
+def posed_problem(data: SpatialContactData, memory: SpatialSolverMemory) -> SpatialContactProblem:
+    """The problem by its contacts; their names are numbers where two share a key."""
+    n = data.n_contacts
+    keys = tuple(data.key[:n].tolist())
+    named = keys if len(set(keys)) == n else ()
+    friction = data.friction[:n].copy()
+    return SpatialContactProblem(data.delassus[: 3 * n, : 3 * n].copy(), data.free[: 3 * n].copy(), friction, named)
+
+
+def posed_lcp(data: SpatialContactData, memory: SpatialSolverMemory) -> NoReturn:
+    """Raises ModelError: friction in space is a cone, and no LCP."""
+    raise ModelError(f"solver: {NO_LCP}")
+
+
+def tried_point(memory: SpatialSolverMemory) -> FloatArray:
+    """The forces that the last solve came to."""
+    return memory.force[: memory.size].copy()
+
+
+def measured(
+    data: SpatialContactData, memory: SpatialSolverMemory, *points: FloatArray
+) -> list[tuple[float, float, float]]:
+    """Of the residual of forces z (3 n,): what is left, the size of its terms, its load."""
+    problem = posed_problem(data, memory)
+    load = float(memory.load)
+    found = [problem.residual_parts(z) for z in points]
+    return [(worst, max(size, load), max(own, load)) for worst, size, own in found]
+
+
+def put_wedged(memory: SpatialSolverMemory, z: FloatArray) -> None:
+    """Leave there the best forces that could be found of wedged bodies, for when the problem is posed again."""
+    memory.force[: len(z)] = z
+    memory.known = WEDGED_KNOWN
+
+
+def put_solution(data: SpatialContactData, memory: SpatialSolverMemory, solution: Solution) -> None:
+    """Leave there what is known to solve the problem, for when it is posed again."""
+    take_solution(data, memory, solution)
+    memory.known = SOLUTION_KNOWN
+
+
+def take_solution(data: SpatialContactData, memory: SpatialSolverMemory, solution: Solution) -> None:
+    """The answer of a Python solver as if the compiled one had found it."""
+    n = data.n_contacts
+    memory.size = 3 * n
+    memory.force[: 3 * n] = solution.z
+    memory.residual, memory.strict = solution.residual, getattr(solution, "strict", np.nan)
+    memory.iterations = solution.iterations
+    velocity = np.reshape(data.delassus[: 3 * n, : 3 * n] @ solution.z + data.free[: 3 * n], (n, 3))
+    pull = np.linalg.norm(np.reshape(solution.z, (n, 3))[:, 1:], axis=1)
+    memory.slip[:n] = np.divide(np.linalg.norm(velocity[:, 1:], axis=1), pull, out=np.zeros(n), where=pull > 0.0)
