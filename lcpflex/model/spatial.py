@@ -117,13 +117,23 @@ class SpatialContacts(NamedTuple):
     node_start: IntArray  # (ns + 1,) offsets into the nodes
     node_point: IntArray  # (nodes,) material point
     node_radius: FloatArray  # (nodes,) [m]
+    node_normal: FloatArray  # (nodes, 3) mean outward normal, undeformed, body frame; 0 of round and single ones
     feature_start: IntArray  # (ns + 1,) offsets into the features
     feature_kind: IntArray  # (features,)
     feature_point: IntArray  # (features, 3) material points; those that a kind does not have repeat the first
     feature_radius: FloatArray  # (features,) of edges and spheres; < 0: touched from inside [m]
     feature_depth: FloatArray  # (features,) how deep below it a node belongs to it [m]; infinite for planes
-    feature_neighbour: IntArray  # (features, 3) of facets: edges opposite a, b, c; of edges: facets; -1: none
+    feature_neighbour: IntArray  # (features, 3) facets: across the hollow sides opposite a, b, c; of edges; -1: none
+    fan_start: IntArray  # (features + 1,) offsets into the fans
+    fan: IntArray  # material points at the other ends of all edges of a vertex
+    # boxes about the features of each surface, undeformed, in the order of a search; see compile.spatial.feature_tree
+    box_start: IntArray  # (ns + 1,) offsets into the boxes
+    box: FloatArray  # (boxes, 6) [m]
+    box_skip: IntArray  # (boxes,) where the search goes on behind a box that is missed
+    box_leaf: IntArray  # (boxes, 2) range of box_feature
+    box_feature: IntArray  # (features,)
     # passes: nodes of one surface, or its rims or edges, against features of another
+    pass_mode: IntArray  # (passes,) see bodies.spatial.surface.Pass
     pass_node: IntArray  # (passes,) surface
     pass_feature: IntArray  # (passes,) surface
     pass_law: IntArray  # (passes,) declared contact
@@ -154,12 +164,21 @@ def no_spatial_contacts() -> SpatialContacts:
         node_start=few,
         node_point=none,
         node_radius=real,
+        node_normal=three,
         feature_start=few,
         feature_kind=none,
         feature_point=threes,
         feature_radius=real,
         feature_depth=real,
         feature_neighbour=threes,
+        fan_start=few,
+        fan=none,
+        box_start=few,
+        box=frozen([], columns=6),
+        box_skip=none,
+        box_leaf=frozen([], np.int64, columns=2),
+        box_feature=none,
+        pass_mode=none,
         pass_node=none,
         pass_feature=none,
         pass_law=none,

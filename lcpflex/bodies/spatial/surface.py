@@ -7,17 +7,33 @@ first in :class:`SpatialKind` is the node side, if nothing else was chosen.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from lcpflex.bodies.spatial.body import SpatialPoint, rigid_point
-from lcpflex.bodies.spatial.shapes import CapsuleShape, Shape, SphereShape, SurfaceShape
+from lcpflex.bodies.spatial.shapes import CapsuleShape, CylinderShape, Shape, SphereShape, SurfaceShape
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["CODES", "SpatialKind", "SpatialSurface", "carried", "code_of", "plane", "surface_of"]
+__all__ = [
+    "ALL_FEATURES",
+    "CAPSULE",
+    "CODES",
+    "EDGED",
+    "EDGES",
+    "NO_POINTS",
+    "RIM_POINTS",
+    "TOUCHES",
+    "Pass",
+    "SpatialKind",
+    "SpatialSurface",
+    "carried",
+    "plane",
+    "surface_of",
+]
 
 
 class SpatialKind(Enum):
@@ -26,6 +42,7 @@ class SpatialKind(Enum):
     NODE = "node"
     SPHERE = "sphere"
     CAPSULE = "capsule"
+    CYLINDER = "cylinder"
     POLYHEDRON = "convex polyhedron"
     MESH = "triangle surface"
     HOLE = "hole"
@@ -33,19 +50,29 @@ class SpatialKind(Enum):
 
 
 CODES = {kind: code for code, kind in enumerate(SpatialKind)}  # by which kernels know them
-ROUND = (SpatialKind.SPHERE, SpatialKind.HOLE, SpatialKind.PLANE)
+SOLID = (SpatialKind.CAPSULE, SpatialKind.POLYHEDRON, SpatialKind.MESH, SpatialKind.HOLE, SpatialKind.PLANE)
 TOUCHED = {  # what the nodes of a surface may touch
-    SpatialKind.NODE: ROUND,
-    SpatialKind.SPHERE: ROUND,
-    SpatialKind.CAPSULE: (SpatialKind.HOLE, SpatialKind.PLANE),
-    SpatialKind.POLYHEDRON: (SpatialKind.HOLE, SpatialKind.PLANE),
-    SpatialKind.MESH: (SpatialKind.HOLE, SpatialKind.PLANE),
+    SpatialKind.NODE: (SpatialKind.SPHERE, *SOLID),
+    SpatialKind.SPHERE: (SpatialKind.SPHERE, *SOLID),
+    SpatialKind.CAPSULE: SOLID,
+    SpatialKind.CYLINDER: (SpatialKind.PLANE,),
+    SpatialKind.POLYHEDRON: SOLID,
+    SpatialKind.MESH: SOLID,
 }
+TOUCHES = np.array([[b in TOUCHED.get(a, ()) for b in SpatialKind] for a in SpatialKind])  # the same by their codes
+WITH_EDGES = (SpatialKind.CAPSULE, SpatialKind.POLYHEDRON, SpatialKind.MESH)
+EDGED = tuple(kind in WITH_EDGES for kind in SpatialKind)  # by their codes, those that touch each other with edges
+CAPSULE = CODES[SpatialKind.CAPSULE]
+RIM_POINTS = 8  # of each rim of a cylinder, on which it stands
+ALL_FEATURES, NO_POINTS, EDGES = range(3)  # what a pass looks at: nodes against all, against all but points; edges
 
 
-def code_of(kind: SpatialKind) -> int:
-    """The number by which kernels know a kind."""
-    return CODES[kind]
+class Pass(NamedTuple):
+    """What is looked at between two surfaces, 0: the one and 1: the other."""
+
+    node_side: int
+    touched: int
+    mode: int = ALL_FEATURES
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,8 +80,9 @@ class SpatialSurface:
     """One surface of a body, in its frame. Made by the functions of this module.
 
     points: material points (vertices of triangles; centre of a sphere or hole; both ends of the axis of a capsule;
-    three points of a plane, a metre apart, seen counter-clockwise from outside). radius [m] of spheres, holes and
-    capsules. triangles (T, 3): of which points, counter-clockwise seen from outside; none: the points alone are known.
+    three points of a plane, a metre apart, seen counter-clockwise from outside; the centres of both rims of a cylinder,
+    and points on them). radius [m] of spheres, holes, capsules and cylinders. triangles (T, 3): of which points,
+    counter-clockwise seen from outside; none: the points alone are known.
     """
 
     kind: SpatialKind
@@ -80,11 +108,32 @@ class SpatialSurface:
         found = [kind.value for kind in TOUCHED.get(self.kind, ())]
         return f"it to be the node side of {' or '.join(found)}" if found else "the other one, as it has no nodes"
 
-    def passes(self, other: SpatialSurface) -> tuple[tuple[int, int], ...]:
-        """(node side, touched side) of each pass, 0: this one, 1: the other; of two nodes sides the first kind."""
+    @property
+    def deforms(self) -> bool:
+        """Whether its points move in its body."""
+        return any(point.phi.any() for point in self.points)
+
+    def passes(self, other: SpatialSurface, node_side: int | None = None) -> tuple[Pass, ...]:
+        """What is looked at between this surface and another one, 0: this one, 1: the other.
+
+        Of two node sides: both, and edges against edges. But where one of them deforms, the finer one alone, that with
+        more points: two meshes that touch with the nodes of both have each force shared in a way nothing determines.
+        """
+        if node_side is not None:
+            return (Pass(node_side, 1 - node_side),)
+        pair = (self, other)
+        first = 0 if CODES[self.kind] <= CODES[other.kind] else 1
         if not (self.can_be_node_side(other) and other.can_be_node_side(self)):
-            return ((0, 1) if self.can_be_node_side(other) else (1, 0),)
-        return ((0, 1) if CODES[self.kind] <= CODES[other.kind] else (1, 0),)
+            side = 0 if self.can_be_node_side(other) else 1
+            return (Pass(side, 1 - side),)
+        if not (self.kind in WITH_EDGES and other.kind in WITH_EDGES):
+            return (Pass(first, 1 - first),)
+        if self.deforms or other.deforms:
+            side = 0 if len(self.points) >= len(other.points) else 1
+            return (Pass(side, 1 - side),)
+        capsule = pair[first].kind is SpatialKind.CAPSULE  # its ends have touched what is a point already
+        return (Pass(first, 1 - first), Pass(1 - first, first, NO_POINTS if capsule else ALL_FEATURES),
+                Pass(first, 1 - first, EDGES))  # fmt: skip
 
 
 def surface_of(shape: Shape) -> SpatialSurface | None:
@@ -94,6 +143,8 @@ def surface_of(shape: Shape) -> SpatialSurface | None:
     if isinstance(shape, CapsuleShape):
         ends = tuple(rigid_point(0.0, 0.0, sign * 0.5 * shape.length) for sign in (-1.0, 1.0))
         return SpatialSurface(SpatialKind.CAPSULE, ends, shape.radius)
+    if isinstance(shape, CylinderShape):
+        return _cylinder(shape.radius, 0.5 * shape.length)
     if isinstance(shape, SurfaceShape):
         points = tuple(
             SpatialPoint(place, phi, np.zeros_like(phi), False)
@@ -102,6 +153,14 @@ def surface_of(shape: Shape) -> SpatialSurface | None:
         kind = SpatialKind.POLYHEDRON if shape.convex and not shape.phi.size else SpatialKind.MESH
         return SpatialSurface(kind, points, triangles=shape.triangles)
     return None
+
+
+def _cylinder(radius: float, half: float) -> SpatialSurface:
+    """Centres of both rims, and points on them."""
+    angles = np.arange(RIM_POINTS) * (2.0 * math.pi / RIM_POINTS)
+    rims = [rigid_point(radius * math.cos(t), radius * math.sin(t), z) for z in (-half, half) for t in angles]
+    centers = [rigid_point(0.0, 0.0, z) for z in (-half, half)]
+    return SpatialSurface(SpatialKind.CYLINDER, (*centers, *rims), radius)
 
 
 def plane(point: SpatialPoint, normal: FloatArray) -> SpatialSurface:

@@ -3,44 +3,61 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from lcpflex.bodies.spatial.surface import CODES, SpatialKind, SpatialSurface
-from lcpflex.contact.spatial.kinds import PLANE, POINT
+from lcpflex.bodies.spatial.surface import SpatialKind, SpatialSurface
+from lcpflex.compile.spatial.features import Feature
+from lcpflex.compile.spatial.mesh_features import mesh_features
+from lcpflex.contact.spatial.kinds import EDGE, FACET, PLANE, POINT, RIM
 from lcpflex.jit.kernel import FloatArray
 
-__all__ = ["Feature", "bounds_of", "deflections", "features_of", "nodes_of"]
+__all__ = ["bounds_of", "boxes_of", "deflections", "features_of", "nodes_of"]
 
 PLANAR, SPHERICAL = (SpatialKind.PLANE,), (SpatialKind.SPHERE, SpatialKind.HOLE)
+MESHES = (SpatialKind.POLYHEDRON, SpatialKind.MESH)
 CARRIERS = tuple(kind for kind in SpatialKind if kind not in (*PLANAR, SpatialKind.HOLE))
-
-
-class Feature(NamedTuple):
-    """What others may touch: material points by their indices, radius and depth [m], and neighbours."""
-
-    kind: int
-    points: tuple[int, int, int]
-    radius: float = 0.0
-    depth: float = math.inf
-    neighbour: tuple[int, int, int] = (-1, -1, -1)
 
 
 def nodes_of(surface: SpatialSurface, indices: Sequence[int]) -> list[tuple[int, float]]:
     """(point, radius) of what may touch others."""
+    if surface.kind is SpatialKind.CYLINDER:
+        return [(index, 0.0) for index in indices[2:]]
     return [(index, surface.radius) for index in indices] if surface.kind in CARRIERS else []
 
 
-def features_of(surface: SpatialSurface, indices: Sequence[int]) -> list[Feature]:
-    """What others may touch."""
-    if surface.kind in PLANAR:
+def features_of(surface: SpatialSurface, indices: Sequence[int], first: int) -> list[Feature]:
+    """What others may touch; ``first``: index that the first feature gets."""
+    kind, radius = surface.kind, surface.radius
+    if kind in PLANAR:
         return [Feature(PLANE, (indices[0], indices[1], indices[2]))]
-    if surface.kind in SPHERICAL:
-        inside = surface.kind is SpatialKind.HOLE
-        return [Feature(POINT, (indices[0],) * 3, -surface.radius if inside else surface.radius)]
-    return []
+    if kind in SPHERICAL:
+        return [Feature(POINT, (indices[0],) * 3, -radius if kind is SpatialKind.HOLE else radius)]
+    if kind is SpatialKind.CAPSULE:
+        a, b = indices
+        ends = [Feature(POINT, (p,) * 3, radius, fan=(q,)) for p, q in ((a, b), (b, a))]
+        return [Feature(EDGE, (a, b, a), radius), *ends]
+    if kind is SpatialKind.CYLINDER:
+        low, high = indices[:2]
+        return [Feature(RIM, (p, q, p), radius) for p, q in ((low, high), (high, low))]
+    return mesh_features(surface, indices, first) if kind in MESHES else []
+
+
+def boxes_of(features: Sequence[Feature], places: Mapping[int, FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """(k, 3) lower and upper corners of boxes that hold all nodes with a gap of 0 or less, undeformed [m].
+
+    places: of the material points, by their indices.
+    """
+    lower, upper = np.zeros((2, len(features), 3))
+    for k, f in enumerate(features):
+        corners = np.array([places[p] for p in f.points])
+        if f.kind == FACET and math.isfinite(f.depth):
+            n = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+            corners = np.vstack([corners, corners - f.depth * n / np.linalg.norm(n)])
+        beside = math.inf if f.radius < 0.0 or f.kind == PLANE else f.radius
+        lower[k], upper[k] = corners.min(axis=0) - beside, corners.max(axis=0) + beside
+    return lower, upper
 
 
 def bounds_of(surface: SpatialSurface) -> tuple[float, float, float, float]:
@@ -52,7 +69,8 @@ def bounds_of(surface: SpatialSurface) -> tuple[float, float, float, float]:
         return (*places[0], math.inf)
     x, y, z = 0.5 * (places.min(axis=0) + places.max(axis=0))
     reach = float(np.linalg.norm(places - np.array([x, y, z]), axis=1).max())
-    return float(x), float(y), float(z), reach + surface.radius
+    beside = 0.0 if surface.kind is SpatialKind.CYLINDER else surface.radius
+    return float(x), float(y), float(z), reach + beside
 
 
 def deflections(surfaces: Sequence[SpatialSurface]) -> FloatArray:
@@ -63,8 +81,3 @@ def deflections(surfaces: Sequence[SpatialSurface]) -> FloatArray:
         for point in surface.points:
             row[: len(point.phi)] = np.maximum(row[: len(point.phi)], np.linalg.norm(point.phi, axis=1))
     return found
-
-
-def code_of(surface: SpatialSurface) -> int:
-    """The number by which kernels know its kind."""
-    return CODES[surface.kind]

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-from lcpflex.bodies.spatial.surface import CODES
+from lcpflex.bodies.spatial.surface import CODES, Pass
 from lcpflex.compile.spatial.assembly import SpatialAssembly
-from lcpflex.compile.spatial.contact_surfaces import Feature, bounds_of, deflections, features_of, nodes_of
+from lcpflex.compile.spatial.contact_surfaces import bounds_of, boxes_of, deflections, features_of, nodes_of
+from lcpflex.compile.spatial.feature_tree import FeatureTree, tree_of
+from lcpflex.compile.spatial.features import Feature
+from lcpflex.compile.spatial.mesh_features import node_normals
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import frozen
 from lcpflex.model.spatial import SpatialContacts, no_spatial_contacts
 from lcpflex.scene.declared import DeclaredContact
@@ -28,20 +33,12 @@ def compile_spatial_contacts(
         return no_spatial_contacts()
     number = {label: k for k, label in enumerate(used)}
     shapes = [surface.shape for surface in used.values()]
-    nodes: list[tuple[int, float]] = []
-    features: list[Feature] = []
-    node_start, feature_start = [0], [0]
-    for surface in used.values():
-        indices = [assembly.point(surface.body, point) for point in surface.shape.points]
-        nodes += nodes_of(surface.shape, indices)
-        features += features_of(surface.shape, indices)
-        node_start.append(len(nodes))
-        feature_start.append(len(features))
+    parts = _parts(list(used.values()), assembly)
     spheres = np.array([bounds_of(shape) for shape in shapes])
     passes = [
-        (number[a.label], number[b.label], law)
+        (number[contact.pair[one.node_side].label], number[contact.pair[one.touched].label], one.mode, law)
         for law, contact in enumerate(declared.values())
-        for a, b in _passes(contact)
+        for one in _passes(contact)
     ]
     sides = [[number[side.label] for side in contact.pair] for contact in declared.values()]
     laws = np.array([(c.friction, c.restitution, c.tangential_restitution) for c in declared.values()]).reshape(-1, 3)
@@ -52,18 +49,11 @@ def compile_spatial_contacts(
         surface_center=frozen(spheres[:, :3], columns=3),
         surface_extent=frozen(spheres[:, 3]),
         surface_deflection=frozen(deflections(shapes)),
-        node_start=frozen(node_start, ints),
-        node_point=frozen([point for point, _ in nodes], ints),
-        node_radius=frozen([radius for _, radius in nodes]),
-        feature_start=frozen(feature_start, ints),
-        feature_kind=frozen([f.kind for f in features], ints),
-        feature_point=frozen([f.points for f in features], ints, columns=3),
-        feature_radius=frozen([f.radius for f in features]),
-        feature_depth=frozen([f.depth for f in features]),
-        feature_neighbour=frozen([f.neighbour for f in features], ints, columns=3),
-        pass_node=frozen([a for a, _, _ in passes], ints),
-        pass_feature=frozen([b for _, b, _ in passes], ints),
-        pass_law=frozen([law for _, _, law in passes], ints),
+        **parts,
+        pass_node=frozen([a for a, _, _, _ in passes], ints),
+        pass_feature=frozen([b for _, b, _, _ in passes], ints),
+        pass_mode=frozen([mode for _, _, mode, _ in passes], ints),
+        pass_law=frozen([law for _, _, _, law in passes], ints),
         friction=frozen(laws[:, 0]),
         restitution=frozen(laws[:, 1]),
         tangential_restitution=frozen(laws[:, 2]),
@@ -71,9 +61,57 @@ def compile_spatial_contacts(
     )
 
 
-def _passes(contact: DeclaredContact) -> list[tuple[PlacedSurface, PlacedSurface]]:
-    """(node surface, feature surface) pairs of a declared contact; one only where a node side is chosen."""
+def _passes(contact: DeclaredContact) -> tuple[Pass, ...]:
+    """What is looked at for a declared contact, 0: the first of its surfaces."""
     a, b = contact.pair
-    if contact.node_side is not None:
-        return [(a, b) if contact.node_side.label == a.label else (b, a)]
-    return [(contact.pair[i], contact.pair[j]) for i, j in a.shape.passes(b.shape)]
+    chosen = None if contact.node_side is None else int(contact.node_side.label != a.label)
+    passes: tuple[Pass, ...] = a.shape.passes(b.shape, chosen)
+    return passes
+
+
+def _parts(surfaces: Sequence[PlacedSurface], assembly: SpatialAssembly) -> dict[str, Any]:
+    """Nodes and features of the surfaces, and the boxes about these."""
+    nodes: list[tuple[int, float]] = []
+    normals: list[FloatArray] = []
+    features: list[Feature] = []
+    trees: list[FeatureTree] = []
+    node_start, feature_start = [0], [0]
+    for surface in surfaces:
+        indices = [assembly.point(surface.body, point) for point in surface.shape.points]
+        own = features_of(surface.shape, indices, len(features))
+        place = dict(zip(indices, (point.place for point in surface.shape.points), strict=True))
+        trees.append(tree_of(*boxes_of(own, place)))
+        features += own
+        carrying = nodes_of(surface.shape, indices)
+        round_ones = surface.shape.radius > 0.0 or not len(surface.shape.triangles)
+        normals += [np.zeros(3)] * len(carrying) if round_ones else list(node_normals(surface.shape))
+        nodes += carrying
+        node_start.append(len(nodes))
+        feature_start.append(len(features))
+    boxes = np.cumsum([0, *(len(tree.skip) for tree in trees)])
+    ints = np.int64
+    fans = [f.fan for f in features]
+    return {
+        "node_start": frozen(node_start, ints),
+        "node_point": frozen([point for point, _ in nodes], ints),
+        "node_radius": frozen([radius for _, radius in nodes]),
+        "node_normal": frozen(normals, columns=3),
+        "feature_start": frozen(feature_start, ints),
+        "feature_kind": frozen([f.kind for f in features], ints),
+        "feature_point": frozen([f.points for f in features], ints, columns=3),
+        "feature_radius": frozen([f.radius for f in features]),
+        "feature_depth": frozen([f.depth for f in features]),
+        "feature_neighbour": frozen([f.neighbour for f in features], ints, columns=3),
+        "fan_start": frozen(np.cumsum([0, *map(len, fans)]), ints),
+        "fan": frozen([point for fan in fans for point in fan], ints),
+        "box_start": frozen(boxes, ints),
+        "box": frozen(np.concatenate([tree.box for tree in trees]), columns=6),
+        "box_skip": frozen(_shifted([tree.skip for tree in trees], boxes), ints),
+        "box_leaf": frozen(_shifted([tree.leaf for tree in trees], feature_start), ints, columns=2),
+        "box_feature": frozen(_shifted([tree.order for tree in trees], feature_start), ints),
+    }
+
+
+def _shifted(parts: Sequence[IntArray], offsets: Sequence[int] | IntArray) -> IntArray:
+    """All parts, each by its offset."""
+    return np.concatenate([part + offset for part, offset in zip(parts, offsets[:-1], strict=True)])

@@ -6,76 +6,42 @@ renewed by :func:`lcpflex.contact.spatial.pairs.refresh`, with the features kept
 
 from __future__ import annotations
 
-from lcpflex.contact.spatial.bounds import is_plane, plane_at
+from lcpflex.bodies.spatial.surface import EDGES, RIM_POINTS
+from lcpflex.contact.spatial.bounds import plane_at
+from lcpflex.contact.spatial.edge_pass import edges_on_edges
+from lcpflex.contact.spatial.entries import load_node, load_rim
+from lcpflex.contact.spatial.kinds import PLANE, POINT, RIM
+from lcpflex.contact.spatial.narrow_phase.rim import lowest_on_rim, rim_axis
+from lcpflex.contact.spatial.narrow_phase.sides import frame_of, place_in, world_place
+from lcpflex.contact.spatial.node_pass import nodes_on_features
 from lcpflex.contact.spatial.pairs import refresh
 from lcpflex.contact.spatial.table import NODE_FACET, NODE_POINT, SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.points import point_place
-from lcpflex.kinematics.spatial.rotations import Matrix, Vector, rotation_matrix
+from lcpflex.kinematics.spatial.rotations import Vector
 from lcpflex.kinematics.spatial.vectors import apart_from, dot, norm
 from lcpflex.model.spatial import SpatialModel
 
 __all__ = ["detect_pass"]
 
+NO_TILT = 1e-7  # sine of the tilt of a disc below which rounding tells where its lowest point is
+STANDING = 1e-2  # up to which fixed points of its rim join the lowest one
+
 
 @kernel
-def load_node(model: SpatialModel, table: SpatialContactTable, k: int, law: int, kind: int, node: int, f: int) -> None:
-    """Entry k, of a node with a feature: what does not depend on the configuration."""
+def nodes_over_plane(
+    model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, begin: int, end: int, law: int,
+    f: int, normal: Vector, o: Vector, n: int,
+) -> int:  # fmt: skip
+    """Contacts of the nodes begin..end with the plane f through o, from entry n on; returns the new count."""
     c = model.contacts
-    table.key[k] = node * len(c.feature_kind) + f
-    table.law[k] = law
-    table.kind[k] = kind
-    table.node[k] = c.node_point[node]
-    table.point[k, 0] = c.node_point[node]
-    for v in range(3):
-        table.point[k, 1 + v] = c.feature_point[f, v]
-    table.point[k, 4] = c.feature_point[f, 0]
-    table.radius[k, 0] = c.node_radius[node]
-    table.radius[k, 1] = c.feature_radius[f]
-    table.radius[k, 2] = 0.0
-    table.sense[k] = 1.0 if c.feature_radius[f] >= 0.0 else -1.0
-    table.foot[k, 0] = 0.0
-    table.foot[k, 1] = 0.0
-    table.body[k, 0] = model.points.body[c.node_point[node]]
-    table.body[k, 1] = model.points.body[c.feature_point[f, 0]]
-    table.along[k] = -1
-
-
-@kernel
-def axes_of_body(model: SpatialModel, q: FloatArray, body: int) -> Matrix:
-    """A of a body; world axes of the ground."""
-    if body < 0:
-        return 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
-    p = model.bodies.place[body]
-    return rotation_matrix(q[p + 3], q[p + 4], q[p + 5], q[p + 6])
-
-
-@kernel
-def axis_across(A: Matrix, n: Vector) -> int:
-    """Which column of A is the farthest from the direction n: a tangent is its projection."""
-    x = abs(A[0] * n[0] + A[3] * n[1] + A[6] * n[2])
-    y = abs(A[1] * n[0] + A[4] * n[1] + A[7] * n[2])
-    z = abs(A[2] * n[0] + A[5] * n[1] + A[8] * n[2])
-    if x <= y and x <= z:
-        return 0
-    return 1 if y <= z else 2
-
-
-@kernel
-def nodes_on_plane(
-    model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, n: int
-) -> int:
-    """Contacts of the nodes of surface a with the plane b, from entry n on; returns the new count."""
-    c = model.contacts
-    f = c.feature_start[b]
-    normal, o = plane_at(model, q, b)
-    for node in range(c.node_start[a], c.node_start[a + 1]):
-        place = point_place(model.bodies, model.points, q, c.node_point[node])
+    body = frame_of(model.bodies, q, model.points.body[c.node_point[begin]])
+    for node in range(begin, end):
+        place = world_place(body, place_in(model.points, q, body, c.node_point[node]))
         gap = dot(normal, apart_from(place, o)) - c.node_radius[node]
         if gap <= margin:
             if n < len(table.key):
                 load_node(model, table, n, law, NODE_FACET, node, f)
-                table.gap[n] = gap
                 refresh(model, q, table, n)
             n += 1
     return n
@@ -97,18 +63,60 @@ def nodes_on_sphere(
         if gap <= margin:
             if n < len(table.key):
                 load_node(model, table, n, law, NODE_POINT, node, f)
-                table.gap[n] = gap
-                table.along[n] = axis_across(axes_of_body(model, q, table.body[n, 1]), d)
                 refresh(model, q, table, n)
             n += 1
     return n
 
 
 @kernel
-def detect_pass(
+def rims_on_plane(
     model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, n: int
 ) -> int:
-    """Contacts of the nodes of surface a with the features of b, from entry n on; returns the new count."""
-    if is_plane(model, b):
-        return nodes_on_plane(model, q, margin, table, a, b, law, n)
-    return nodes_on_sphere(model, q, margin, table, a, b, law, n)
+    """Contacts of the rims of cylinder a with the plane b, from entry n on; returns the new count.
+
+    The lowest point of a rim tells its gap exactly, while the tilt tells where that is. Fixed points of the rim, which
+    are above it or as low, join it at small tilts, and are alone where there is none: one point holds no disc that
+    stands. They come and go above the lowest point, so that the least gap has no jump but RIM_POINTS make of NO_TILT.
+    """
+    c = model.contacts
+    f = c.feature_start[b]
+    normal, o = plane_at(model, q, b)
+    body = frame_of(model.bodies, q, c.surface_body[a])
+    first = c.feature_start[a]
+    for rim in range(first, c.feature_start[a + 1]):
+        axis = rim_axis(model.points, q, body, c.feature_point[rim, 0], c.feature_point[rim, 1])
+        lowest, tilt = lowest_on_rim(axis, normal)
+        center = world_place(body, place_in(model.points, q, body, c.feature_point[rim, 0]))
+        gap = dot(normal, apart_from(center, o)) + c.feature_radius[rim] * dot(normal, lowest)
+        if gap > margin:
+            continue
+        if tilt > NO_TILT:
+            if n < len(table.key):
+                load_rim(model, table, n, law, rim, f)
+                refresh(model, q, table, n)
+            n += 1
+        if tilt < STANDING:
+            node = c.node_start[a] + (rim - first) * RIM_POINTS
+            n = nodes_over_plane(model, q, margin, table, node, node + RIM_POINTS, law, f, normal, o, n)
+    return n
+
+
+@kernel
+def detect_pass(
+    model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, mode: int,
+    n: int,
+) -> int:  # fmt: skip
+    """Contacts of the nodes, rims or edges of surface a with the features of b, from entry n on; the new count."""
+    c = model.contacts
+    if mode == EDGES:
+        return edges_on_edges(model, q, margin, table, a, b, law, n)
+    first = c.feature_start[b]
+    if c.feature_kind[first] == PLANE:
+        if c.feature_start[a + 1] > c.feature_start[a] and c.feature_kind[c.feature_start[a]] == RIM:
+            return rims_on_plane(model, q, margin, table, a, b, law, n)
+        normal, o = plane_at(model, q, b)
+        begin, end = c.node_start[a], c.node_start[a + 1]
+        return nodes_over_plane(model, q, margin, table, begin, end, law, first, normal, o, n)
+    if c.feature_kind[first] == POINT:
+        return nodes_on_sphere(model, q, margin, table, a, b, law, n)
+    return nodes_on_features(model, q, margin, table, a, b, law, mode, n)

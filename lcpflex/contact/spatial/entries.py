@@ -1,0 +1,75 @@
+"""Entries of the table as detection makes them: what does not depend on the configuration.
+
+The key is (what touches of surface a, feature of surface b) as one number: nodes come first, then features.
+"""
+
+from __future__ import annotations
+
+from lcpflex.contact.spatial.table import EDGE_EDGE, RIM_FACET, SpatialContactTable
+from lcpflex.jit.kernel import kernel
+from lcpflex.model.spatial import SpatialModel
+
+__all__ = ["load_edges", "load_node", "load_rim"]
+
+
+@kernel
+def load_pair(
+    model: SpatialModel, table: SpatialContactTable, k: int, law: int, kind: int, touching: int, point: int, f: int
+) -> None:
+    """Entry k, of what has the number ``touching`` and its first material point with feature f.
+
+    Normal and tangent are some directions: what refresh keeps where there are none.
+    """
+    c = model.contacts
+    table.key[k] = touching * len(c.feature_kind) + f
+    table.law[k] = law
+    table.kind[k] = kind
+    table.node[k] = point
+    for v in range(5):
+        table.point[k, v] = point
+    table.sense[k] = 1.0
+    table.foot[k, 0] = 0.0
+    table.foot[k, 1] = 0.0
+    table.body[k, 0] = model.points.body[point]
+    table.body[k, 1] = model.points.body[c.feature_point[f, 0]]
+    for v in range(3):
+        table.radius[k, v] = 0.0
+        table.normal[k, v] = 1.0 if v == 2 else 0.0
+        table.tangent[k, v] = 1.0 if v == 0 else 0.0
+    table.along[k] = -1
+
+
+@kernel
+def load_node(model: SpatialModel, table: SpatialContactTable, k: int, law: int, kind: int, node: int, f: int) -> None:
+    """Entry k, of a node with a facet, plane, edge, vertex or sphere."""
+    c = model.contacts
+    load_pair(model, table, k, law, kind, node, c.node_point[node], f)
+    for v in range(3):
+        table.point[k, 1 + v] = c.feature_point[f, v]
+    table.radius[k, 0] = c.node_radius[node]
+    table.radius[k, 1] = c.feature_radius[f]
+    table.sense[k] = 1.0 if c.feature_radius[f] >= 0.0 else -1.0
+
+
+@kernel
+def load_edges(model: SpatialModel, table: SpatialContactTable, k: int, law: int, e: int, f: int, sense: float) -> None:
+    """Entry k, of two edges; sense: of e x f as the normal."""
+    c = model.contacts
+    load_pair(model, table, k, law, EDGE_EDGE, len(c.node_point) + e, c.feature_point[e, 0], f)
+    for v in range(2):
+        table.point[k, v] = c.feature_point[e, v]
+        table.point[k, 2 + v] = c.feature_point[f, v]
+    table.radius[k, 0] = c.feature_radius[e]
+    table.radius[k, 1] = c.feature_radius[f]
+    table.sense[k] = sense
+
+
+@kernel
+def load_rim(model: SpatialModel, table: SpatialContactTable, k: int, law: int, rim: int, f: int) -> None:
+    """Entry k, of a rim with a plane."""
+    c = model.contacts
+    load_pair(model, table, k, law, RIM_FACET, len(c.node_point) + rim, c.feature_point[rim, 0], f)
+    table.point[k, 1] = c.feature_point[rim, 1]
+    for v in range(3):
+        table.point[k, 2 + v] = c.feature_point[f, v]
+    table.radius[k, 2] = c.feature_radius[rim]

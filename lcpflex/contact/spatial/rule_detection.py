@@ -1,0 +1,102 @@
+"""Contacts by the rule of a model of space: its near pairs of surfaces, in the order of the surfaces."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lcpflex.bodies.spatial.surface import ALL_FEATURES, CAPSULE, EDGED, EDGES, NO_POINTS, TOUCHES
+from lcpflex.contact.rule_pairs import MORE_LAWS, is_barred, law_of_pair, new_law
+from lcpflex.contact.spatial.bounds import near_surfaces
+from lcpflex.contact.spatial.broad_phase import may_meet, near_pairs
+from lcpflex.contact.spatial.passes import detect_pass
+from lcpflex.contact.spatial.table import SpatialContactTable
+from lcpflex.contact.spatial.twice import drop_twice
+from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.model.spatial import SpatialModel
+
+__all__ = ["detect_rule"]
+
+EDGED_KINDS = np.array(EDGED)
+
+
+@kernel
+def deforms(model: SpatialModel, s: int) -> bool:
+    """Whether modes move points of surface s."""
+    deflection = model.contacts.surface_deflection
+    greatest = 0.0
+    for m in range(deflection.shape[1]):
+        greatest = max(greatest, deflection[s, m])
+    return greatest > 0.0
+
+
+@kernel
+def detect_between(
+    model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, n: int
+) -> int:
+    """Contacts between two surfaces, from entry n on; the new count: passes as ``SpatialSurface.passes`` has them."""
+    c = model.contacts
+    kind_a, kind_b = c.surface_kind[a], c.surface_kind[b]
+    if kind_b < kind_a:
+        a, b = b, a
+        kind_a, kind_b = kind_b, kind_a
+    if not near_surfaces(model, q, table, a, b, margin):
+        return n
+    if not TOUCHES[kind_a, kind_b]:
+        return detect_pass(model, q, margin, table, b, a, law, ALL_FEATURES, n)
+    if not (TOUCHES[kind_b, kind_a] and EDGED_KINDS[kind_a] and EDGED_KINDS[kind_b]):
+        return detect_pass(model, q, margin, table, a, b, law, ALL_FEATURES, n)
+    if deforms(model, a) or deforms(model, b):
+        nodes_a, nodes_b = c.node_start[a + 1] - c.node_start[a], c.node_start[b + 1] - c.node_start[b]
+        if nodes_a >= nodes_b:
+            return detect_pass(model, q, margin, table, a, b, law, ALL_FEATURES, n)
+        return detect_pass(model, q, margin, table, b, a, law, ALL_FEATURES, n)
+    before = n
+    n = detect_pass(model, q, margin, table, a, b, law, ALL_FEATURES, n)
+    start = n
+    n = detect_pass(model, q, margin, table, b, a, law, NO_POINTS if kind_a == CAPSULE else ALL_FEATURES, n)
+    if start < n <= len(table.key):
+        n = drop_twice(model, q, table, b, a, before, start, n)
+    return detect_pass(model, q, margin, table, a, b, law, EDGES, n)
+
+
+@kernel
+def detect_pair(
+    model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, i: int, j: int, n: int
+) -> int:
+    """Contacts between two surfaces of the rule, i < j, from entry n on; the new count, or MORE_LAWS."""
+    if is_barred(model, i, j):  # type: ignore[arg-type]  # it reads what both models have
+        return n
+    first = n
+    known = law_of_pair(table.pairs, i, j)
+    law = known if known >= 0 else model.contacts.rule_law[0]
+    n = detect_between(model, q, margin, table, i, j, law, n)
+    if known >= 0 or n == first or n > len(table.key):
+        return n
+    for k in range(first, n):
+        if table.gap[k] <= table.touching:
+            law = new_law(table.pairs, i, j)
+            if law < 0:
+                return MORE_LAWS
+            for entry in range(first, n):
+                table.law[entry] = law
+            return n
+    return n
+
+
+@kernel
+def detect_rule(model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, n: int) -> int:
+    """Contacts by the rule, from entry n on; the new count, or MORE_LAWS."""
+    pairs = table.pairs
+    found = near_pairs(model, q, table, margin)
+    for k in range(found):
+        n = detect_pair(model, q, margin, table, pairs.found[k, 0], pairs.found[k, 1], n)
+        if n == MORE_LAWS:
+            return n
+    if found < 0:
+        for i in range(len(model.contacts.rule_rank)):
+            for j in range(i + 1, len(model.contacts.rule_rank)):
+                if may_meet(model, i, j):
+                    n = detect_pair(model, q, margin, table, i, j, n)
+                    if n == MORE_LAWS:
+                        return n
+    return n
