@@ -36,6 +36,7 @@ from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.problem import LcpSolver, Solution, Status
 from lcpflex.solvers.user_solver import UserSolver, as_solver, own_part
 from lcpflex.steppers.island_problems import tell_island
+from lcpflex.steppers.spatial.island_problems import pose_begun
 from lcpflex.steppers.wedged import Wedged
 
 __all__ = [
@@ -100,10 +101,11 @@ class Watched:
 
     def tell(self, work: Workspace, i: int) -> None:
         """Pose island i densely, for the one who is told: it was solved in another form."""
-        pose_island(work, i)
         if isinstance(work.problem, SpatialContactData):
+            pose_begun(work, i)
             self._watch(work.problem, work.solver)
             return
+        pose_island(work, i)
         work.solver.residual, work.solver.strict = work.large_solver.residual, work.large_solver.strict
         work.solver.iterations = work.large_solver.factors
         self._watch(work.problem, work.solver)
