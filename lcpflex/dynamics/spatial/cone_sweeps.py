@@ -16,7 +16,7 @@ from lcpflex.solvers.contact.cones.certificate import natural_miss
 from lcpflex.solvers.contact.cones.dense import CRAWLING, LOOK, POLISH, SETTLED, SLIDING, is_settled
 from lcpflex.solvers.contact.cones.local import NONE, solve_cone
 
-__all__ = ["judge_island", "sweep_island"]
+__all__ = ["judge_island", "push", "speeds", "sweep_island"]
 
 
 @kernel

@@ -11,6 +11,7 @@ from lcpflex.dynamics.contact_problem import fits
 from lcpflex.dynamics.spatial.cone_sweeps import sweep_island
 from lcpflex.dynamics.spatial.contact_problem import describe_island, has_joints, pose_island, take_forces
 from lcpflex.dynamics.spatial.inertia import SpatialWork
+from lcpflex.dynamics.spatial.least_cones import shorten_island
 from lcpflex.jit.kernel import kernel
 from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, SWEEPS, solve_cones
 from lcpflex.solvers.contact.cones.memory import NOTHING_KNOWN, POSED
@@ -174,5 +175,16 @@ def solve_islands(work: SpatialWork, t: float, tolerance: float, warm: bool, las
 
 @kernel
 def shorten_forces(work: SpatialWork) -> bool:
-    """Of all contact forces in ``work.p`` with the same effect the least ones, once a step."""
+    """Of all contact forces in ``work.p`` with the same effect the least ones, once a step.
+
+    Of islands without joints in which nothing slips; see :func:`lcpflex.dynamics.spatial.least_cones.shorten_island`.
+    """
+    islands, memory = work.islands, work.solver
+    while islands.shortened < islands.count:
+        i = islands.shortened
+        if islands.start[i + 1] - islands.start[i] > 1 and not has_joints(work, i):
+            strict, residual = memory.strict, memory.residual
+            shorten_island(work, i)
+            memory.strict, memory.residual = strict, residual
+        islands.shortened += 1
     return True

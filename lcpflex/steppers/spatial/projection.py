@@ -2,14 +2,76 @@
 
 from __future__ import annotations
 
+from lcpflex.dynamics.spatial.cone_sweeps import push, speeds
+from lcpflex.dynamics.spatial.contact_problem import describe_island, has_joints, pose_island
 from lcpflex.dynamics.spatial.inertia import SpatialWork
+from lcpflex.dynamics.spatial.mechanics import displace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.spatial import SpatialModel
 
 __all__ = ["lift_island"]
 
+SWEEPS = 200
+ENOUGH = 1e-6  # of the largest drift: what may be left for the next step
+
 
 @kernel
 def lift_island(model: SpatialModel, work: SpatialWork, i: int, q: FloatArray) -> bool:
-    """Lift the sunk contacts of island i; whether there were any, and it could be done."""
-    return False
+    """Lift the sunk contacts of island i; whether there were any, and it could be done.
+
+    The frictionless problem of their normals, 0 <= z _|_ G_NN z + drift >= 0, by projected Gauss-Seidel, joints held.
+    """
+    islands, n_joint = work.islands, work.n_joint
+    first, m, deepest = islands.start[i], 0, 0.0
+    for r in range(n_joint, n_joint + work.n_contacts):
+        work.bias[r] = 0.0
+    for c in range(islands.start[i + 1] - first):
+        sunk = work.sunk[islands.contact[first + c]]
+        if sunk != 0.0:
+            work.closed[m] = c
+            work.drift[m] = sunk
+            deepest = max(deepest, -sunk)
+            m += 1
+    if m == 0:
+        return False
+    strict, residual = work.solver.strict, work.solver.residual
+    held = has_joints(work, i)
+    if held:
+        pose_island(work, i)
+    else:
+        describe_island(work, i)
+    for d in range(len(work.solver.change)):
+        work.solver.change[d] = 0.0
+    for _ in range(SWEEPS):
+        if lift_once(work, i, m, held) <= ENOUGH * deepest:
+            break
+    work.solver.strict, work.solver.residual = strict, residual
+    displace(model, work, n_joint, n_joint + work.n_contacts, work.bias, q)
+    return True
+
+
+@kernel
+def lift_once(work: SpatialWork, i: int, m: int, held: bool) -> float:
+    """One sweep over the m contacts ``work.closed``, lifts in ``work.bias``; the largest change of a gap."""
+    islands, n_joint, memory, lifts, G = work.islands, work.n_joint, work.solver, work.bias, work.problem.delassus
+    first, largest = islands.start[i], 0.0
+    for e in range(m):
+        c = work.closed[e]
+        r = n_joint + islands.contact[first + c]
+        gap = work.drift[e]
+        own = G[3 * c, 3 * c] if held else memory.own[c, 0]
+        if held:
+            for f in range(m):
+                gap += G[3 * c, 3 * work.closed[f]] * lifts[n_joint + islands.contact[first + work.closed[f]]]
+        else:
+            moved, _, _ = speeds(work.rows, work.row_body, work.dof, work.free, r, -1, memory.change)
+            gap += moved - work.free[r]
+        if not own > 0.0:
+            continue
+        change = max(-lifts[r], -gap / own)
+        if change != 0.0:
+            lifts[r] += change
+            largest = max(largest, abs(own * change))
+            if not held:
+                push(work.solved, work.row_body, work.dof, r, -1, change, 0.0, 0.0, memory.change)
+    return largest

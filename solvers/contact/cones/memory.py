@@ -66,10 +66,10 @@ class SpatialSolverMemory:
     worst: float  # absolute residual of the present point
     terms: float  # size of what cancels in its velocities
     sliding: int  # 1: some contact slips at it
-    force: FloatArray = array("rows")
-    aside: FloatArray = array("rows")  # forces to go back to
-    velocity: FloatArray = array("rows")
-    sums: FloatArray = array("rows")  # sum |G_ij r_j| + |free_i|
+    force: FloatArray = array("triples")
+    aside: FloatArray = array("triples")  # forces to go back to
+    velocity: FloatArray = array("triples")
+    sums: FloatArray = array("triples")  # sum |G_ij r_j| + |free_i|
     slip: FloatArray = array("contacts")  # |u_T| / |r_T| of each contact in the last solution [m/s over N s]
     own: FloatArray = array("contacts", 6)  # block of each contact in G: nn, n1, n2, 11, 12, 22
     unit: FloatArray = array("contacts")  # d = 1 / sqrt(max G_kk) of each contact
@@ -106,7 +106,7 @@ def cone_memory(
     dense: of the largest that is posed with its Delassus operator, all if left out; ndof: velocities of the bodies.
     """
     rows = 3 * (capacity if dense is None else dense)
-    sizes = {"contacts": capacity, "rows": rows, "ndof": ndof}
+    sizes = {"contacts": capacity, "triples": 3 * capacity, "rows": rows, "ndof": ndof}
     memory = allocate(SpatialSolverMemory, sizes, newton=cone_work(rows // 3))
     memory.tolerance = TOLERANCE
     if before is not None:

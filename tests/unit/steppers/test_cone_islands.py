@@ -7,6 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
+from lcpflex.steppers.island_problems import shorten_forces
+from lcpflex.steppers.spatial.projection import lift_island
 from tests.cone_islands import GRAVITY, Laid, Touch, box_on_ground, tower
 
 STEP = 1e-3
@@ -130,3 +132,47 @@ def test_tower_carries_what_is_above() -> None:
         assert laid.solve(u, warm=True) == 0
     f = laid.forces().reshape(3, 4, 3)[:, :, 0].sum(axis=1)
     assert f == pytest.approx([6.0 * GRAVITY * STEP, 5.0 * GRAVITY * STEP, 3.0 * GRAVITY * STEP], rel=1e-9)
+
+
+def test_undetermined_forces_are_the_least_ones() -> None:
+    """A box on four corners carries a quarter of its weight on each; also where it is pushed sideways."""
+    for push in (0.0, 0.2):
+        laid = box_on_ground()
+        u = falling(laid, (push, 0.0, -1.0))
+        assert laid.solve(u) == 0
+        before = laid.after(u)
+        assert shorten_forces(laid.work)
+        f = laid.forces().reshape(4, 3)
+        assert laid.after(u) == pytest.approx(before, abs=1e-14)
+        assert (np.hypot(f[:, 1], f[:, 2]) <= 0.5 * f[:, 0] * (1.0 + 1e-12)).all()
+        if push == 0.0:
+            assert f[:, 0] == pytest.approx(np.full(4, 0.5 * GRAVITY * STEP), rel=1e-10)
+            assert f[:, 1:] == pytest.approx(np.zeros((4, 2)), abs=1e-13)
+
+
+@pytest.mark.parametrize("jointed", [False, True])
+def test_sunk_contacts_are_lifted(jointed: bool) -> None:
+    """W_N dq = depth for contacts that a box rests on, to what a sweep leaves."""
+    laid = box_on_ground()
+    if jointed:
+        scene = lf.SpatialScene()
+        boxes = [scene.add(lf.Cuboid(0.3, 0.2, 0.1, mass=2.0), f"b{i}", (0.3 * i, 0.0, 0.0)) for i in range(2)]
+        scene.join(lf.Ball(boxes[0].at(0.15, 0.0, 0.0), boxes[1].at(-0.15, 0.0, 0.0)))
+        up = np.array([0.0, 0.0, 1.0])
+        laid = Laid(
+            scene.compile().system(), [Touch(0, -1, np.array([x, y, -0.05]), up) for x, y in ((-0.1, 0.0), (0.1, 0.1))]
+        )
+    assert laid.solve(falling(laid)) == 0
+    n = laid.work.n_contacts
+    laid.work.sunk[:n] = -1e-6 * np.array([1.0, 2.0, 2.0, 3.0])[:n]
+    q = laid.q.copy()
+    assert lift_island(laid.system.model, laid.work, 0, q)
+    if jointed:  # what is left is the answer of the joints, which are projected afterwards
+        G, lifts = laid.problem().dense()[::3, ::3], laid.work.bias[laid.work.n_joint :][:n]
+        assert G @ lifts == pytest.approx(-laid.work.sunk[:n], rel=1e-5)
+        return
+    for touch, depth in zip(laid.touches, -laid.work.sunk[:n], strict=True):
+        before, after = (Rotation.from_quat(x[3:7], scalar_first=True) for x in (laid.q, q))
+        arm = before.inv().apply(touch.place - laid.q[:3])
+        moved = q[:3] + after.apply(arm) - touch.place
+        assert moved[2] == pytest.approx(depth, rel=1e-4)
