@@ -177,17 +177,14 @@ class Rescue:
         data, memory = work.problem, work.solver
         points = [tried_point(memory)]
         if type(self._solver) is Auto:
-            problem = posed_problem(data, memory)
-            if isinstance(problem, SpatialContactProblem):
-                solution = solve_anyhow(problem)
-            else:
-                solution = self._solver.attempt(problem, None, TRIALS)
-            # what fractions know to be solved, floats may refuse: once they have, it is not told to them again
-            stands = times == 0 or guarded_residual(*measured(data, memory, solution.z)[0]) <= self._tolerance
-            if solution.residual <= self._tolerance and stands:
-                put_solution(data, memory, solution)
-                return True
-            points.append(solution.z)
+            solution = self._attempt(posed_problem(data, memory))
+            if solution is not None:
+                # what fractions know to be solved, floats may refuse: once they have, it is not told to them again
+                stands = times == 0 or guarded_residual(*measured(data, memory, solution.z)[0]) <= self._tolerance
+                if solution.residual <= self._tolerance and stands:
+                    put_solution(data, memory, solution)
+                    return True
+                points.append(solution.z)
         best = self._wedged.best(data, memory, points, self._tolerance)
         if best is None:
             return False
@@ -195,14 +192,15 @@ class Rescue:
         put_wedged(memory, best)
         return True
 
+    def _attempt(self, problem: Any) -> Solution | None:
+        """What the rest of Auto makes of a problem; None where it does not take it."""
+        if isinstance(problem, SpatialContactProblem):
+            return None if self._solver.refuses(problem) else self._solver.solve(problem)
+        return self._solver.attempt(problem, None, TRIALS)
+
     def remarks(self, name: Callable[[int], str]) -> list[str]:
         """The warning of problems that rounding did not let be solved any better; name: of a declared contact."""
         return self._wedged.remarks(name)
-
-
-def solve_anyhow(problem: SpatialContactProblem) -> Solution:
-    """What Auto makes of a spatial problem, from nothing."""
-    return Auto().solve(problem)
 
 
 def _unsolved(memory: SolverMemory, status: int, tolerance: float) -> str:

@@ -23,7 +23,7 @@ from lcpflex.steppers.status import RunStatus
 
 __all__ = ["shorten_forces", "solve_island", "solve_islands"]
 
-LAST_WORD = 128  # contacts of the largest island that is posed densely where sweeps have failed
+LAST_WORD = 200  # contacts of the largest island that is posed densely where sweeps have failed
 
 
 @kernel
