@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from lcpflex.contact.narrow_phase.feature import ARC, VERTEX
+from lcpflex.contact.spatial.kinds import EDGE, POINT
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Contacts, Points
 
@@ -76,9 +77,14 @@ def _lengths(places: FloatArray) -> FloatArray:
 
 
 def _feature_depths(contacts: Contacts) -> FloatArray:
-    """(features,) how deep below its middle a node belongs to a feature: no bound below vertices of chains."""
-    if contacts.feature_depth.ndim == 1:  # in space they are told of each feature
-        return np.asarray(contacts.feature_depth)
+    """(features,) how deep below its middle a node belongs to a feature: no bound below corners and sharp edges."""
+    if contacts.feature_depth.ndim == 1:  # in space
+        depths = contacts.feature_depth.astype(float)
+        lines = np.isin(contacts.feature_kind, (EDGE, POINT))
+        depths[lines & (contacts.feature_radius == 0.0)] = math.inf
+        spheres = lines & (contacts.feature_radius > 0.0)
+        depths[spheres] = np.minimum(depths[spheres], contacts.feature_radius[spheres])
+        return depths
     depths = contacts.feature_depth[:, 1].astype(float)
     discs = (contacts.feature_kind == ARC) & (contacts.feature_radius > 0.0)
     depths[discs] = np.minimum(depths[discs], contacts.feature_radius[discs])
