@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from lcpflex.basics.arguments import array_of
 from lcpflex.compile.coordinates import coordinate_names, velocity_names
+from lcpflex.compile.spatial.state_contacts import slip_sizes, spatial_contacts
 from lcpflex.compile.state_mechanics import CompliantForces, StateMechanics
 from lcpflex.contact.detection import ContactTable, detect
 from lcpflex.contact.narrow_phase.feature import contact_bias
@@ -24,7 +25,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
 from lcpflex.kinematics.relative import KINDS
 from lcpflex.model.arrays import frozen
-from lcpflex.model.layout import dimension, is_spatial
+from lcpflex.model.layout import is_spatial
 from lcpflex.steppers.event_driven.thresholds import SLIP_PART
 from lcpflex.steppers.law_run import begin_laws, law_trouble
 from lcpflex.steppers.scales import scales_of
@@ -112,7 +113,7 @@ def _index_sets(arrays: dict[str, Any], gap_tolerance: float, slow: float) -> di
     every = np.arange(len(arrays["gaps"]))
     closed = every[arrays["gaps"] <= gap_tolerance]
     still = closed[np.abs(arrays["gap_rates"][closed]) <= slow]
-    sticking = (arrays["friction"] > 0.0) & (np.abs(arrays["slip_speeds"]) <= SLIP_PART * slow)
+    sticking = (arrays["friction"] > 0.0) & (slip_sizes(arrays["slip_speeds"]) <= SLIP_PART * slow)
     return {"A": every, "C": closed, "N": still, "H": still[sticking[still]], "G": still[~sticking[still]]}
 
 
@@ -224,31 +225,38 @@ class _Instant:
         """Rows of all rigid contacts with gaps up to ``margin`` [m]."""
         model, contacts = self._model, self._model.contacts
         table, m = self._detected(margin)
-        width = self._work.rows.shape[2]
-        normal, tangent, w = np.zeros((m, 2, width)), np.zeros((m, 2, width)), np.zeros((m, 2))
-        places = np.zeros((m, dimension(model.bodies).components))
-        for k in range(m):
-            contact_rows(model, self._q, table, k, normal[k], tangent[k])
-            w[k] = contact_bias(model, self._q, self._u, table, k)
-            places[k] = contact_point(model, self._q, table, k)
         laws, body = table.law[:m], table.body[:m]
-        W_N, W_T = self._dense(normal, body).T, self._dense(tangent, body).T
+        in_space = is_spatial(model)
+        told = spatial_contacts(self._system, self._q, self._u, table, m) if in_space else self._planar(table, m)
+        rows, w = told.pop("rows"), told.pop("w")
+        W = [self._dense(rows[:, c], body).T for c in range(rows.shape[1])]
+        slip = [along.T @ self._u for along in W[1:]]
         return {
             "contacts": tuple(self._system.name_of(int(law)) for law in laws),
             "keys": table.key[:m].copy(),
-            "places": places,
-            "normals": table.normal[:m].copy(),
+            **told,
             "gaps": table.gap[:m].copy(),
-            "gap_rates": W_N.T @ self._u,
-            "slip_speeds": W_T.T @ self._u,
-            "W_N": W_N,
-            "W_T": W_T,
+            "gap_rates": W[0].T @ self._u,
+            "slip_speeds": np.stack(slip, axis=1) if in_space else slip[0],
+            "W_N": W[0],
+            "W_T": np.stack(W[1:], axis=2) if in_space else W[1],
             "w_N": w[:, 0],
-            "w_T": w[:, 1],
+            "w_T": w[:, 1:] if in_space else w[:, 1],
             "friction": contacts.friction[laws],
             "restitution": contacts.restitution[laws],
             "tangential_restitution": contacts.tangential_restitution[laws],
         }
+
+    def _planar(self, table: ContactTable, m: int) -> dict[str, Any]:
+        """Geometry, rows (m, 2, 2, width) and biases (m, 2) of the first m entries of a table."""
+        rows, w = np.zeros((m, 2, 2, self._work.rows.shape[2])), np.zeros((m, 2))
+        places, normals = np.zeros((m, 2)), table.normal[:m].copy()
+        for k in range(m):
+            contact_rows(self._model, self._q, table, k, *rows[k])
+            w[k] = contact_bias(self._model, self._q, self._u, table, k)
+            places[k] = contact_point(self._model, self._q, table, k)
+        tangents = np.column_stack([normals[:, 1], -normals[:, 0]])[:, None]
+        return {"places": places, "normals": normals, "tangents": tangents, "rows": rows, "w": w}
 
     def _detected(self, margin: float) -> tuple[ContactTable, int]:
         """A table with room for all rigid contacts, and their number."""

@@ -12,9 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from lcpflex.basics.arguments import one_of
+from lcpflex.compile.spatial.state_contacts import accelerations, impulses
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.contact.problem import ContactProblem
+from lcpflex.solvers.contact.spatial import SpatialContactProblem
 
 __all__ = ["CompliantForces", "StateMechanics"]
 
@@ -65,7 +67,8 @@ class StateMechanics:
 
     n velocities, and nq coordinates, in the plane as many; m rigid contacts (a declared contact has an entry for each
     pair of a node and a surface part that is near), r joint rows. The normal points from the second body to the first,
-    whose force lambda_N pushes it along the normal; the tangent is the normal turned clockwise by a right angle.
+    whose force lambda_N pushes it along the normal; the tangent is the normal turned clockwise by a right angle. In
+    space the first body is that of the surface that was declared first, and there are two tangents, t1 and t2 = n x t1.
 
     Attributes
     ----------
@@ -88,14 +91,15 @@ class StateMechanics:
         (m,) name of the declared contact.
     keys
         (m,) number of the pair of node and surface part, the same in other states of the scene.
-    places, normals
-        (m, 2) point of contact [m] and unit normal, world axes.
+    places, normals, tangents
+        (m, 2), in space (m, 3), point of contact [m] and unit normal, world axes; tangents (m, 1, 2), in space
+        (m, 2, 3).
     gaps, gap_rates, slip_speeds
-        (m,) g_N [m], gdot_N and gdot_T [m/s].
+        (m,) g_N [m], gdot_N and gdot_T [m/s]; in space gdot_T (m, 2).
     W_N, W_T
-        (n, m) directions of the contact forces, frictionless contacts too.
+        (n, m) directions of the contact forces, frictionless contacts too; in space W_T (n, m, 2).
     w_N, w_T
-        (m,) parts of gddot_N and gddot_T without udot [m/s^2].
+        (m,) parts of gddot_N and gddot_T without udot [m/s^2]; in space w_T (m, 2).
     friction, restitution, tangential_restitution
         (m,) mu, e_N, e_T [-].
     joints, joint_kinds
@@ -130,6 +134,7 @@ class StateMechanics:
     keys: IntArray
     places: FloatArray
     normals: FloatArray
+    tangents: FloatArray
     gaps: FloatArray
     gap_rates: FloatArray
     slip_speeds: FloatArray
@@ -157,7 +162,7 @@ class StateMechanics:
     velocity_threshold: float
     slip_threshold: float
 
-    def contact_problem(self, level: str = "acceleration") -> ContactProblem:
+    def contact_problem(self, level: str = "acceleration") -> ContactProblem | SpatialContactProblem:
         """The contact problem with the joints condensed: contact accelerations or velocities are G lambda + free.
 
         With P = M^-1 - M^-1 J^T (J M^-1 J^T)^-1 J M^-1, what forces accelerate while the joints hold:
@@ -169,6 +174,9 @@ class StateMechanics:
         * "impulse": contacts C, impulses [N s], rows [gdot_N+ + e_N gdot_N-; gdot_T+ + e_T gdot_T-], Newton's law at
           this instant. Normal velocities up to ``velocity_threshold`` are not reflected (e_N = 0).
 
+        In space it is a :class:`lcpflex.solvers.SpatialContactProblem`, with rows n, t1, t2 of each contact in turn;
+        the friction of a sliding contact is against its slip, -mu gdot_T / |gdot_T|.
+
         Keys are (name of the contact, its index). Redundant joint rows are allowed.
 
         Raises
@@ -177,21 +185,24 @@ class StateMechanics:
             For another level, and at the level of accelerations for a closed contact that approaches: its impact
             comes first.
         """
+        in_space = self.W_T.ndim == 3
         if one_of("level", level, LEVELS) == "impulse":
-            return self._impulses()
+            return impulses(self) if in_space else self._impulses()
         for k in self.C:
             if self.gap_rates[k] < -self.velocity_threshold:
                 raise ModelError(
                     f"level: 'acceleration' was given, and contact {self.contacts[k]!r} approaches at "
                     f"{-self.gap_rates[k]:.6g} m/s, expected 'impulse': its impact comes first"
                 )
+        if in_space:
+            return accelerations(self)
         H, N = self.H, self.N
         columns = self.W_N[:, N].copy()
         sliding = np.isin(N, self.G)
         columns[:, sliding] -= self.W_T[:, self.G] * (self.friction * np.sign(self.slip_speeds))[self.G]
         rows = np.hstack([self.W_N[:, N], self.W_T[:, H]])
         known = np.concatenate([self.w_N[N], self.w_T[H]])
-        held, kept = self._condensed(np.column_stack([columns, self.W_T[:, H], self.h]), self.gamma)
+        held, kept = self.condensed(np.column_stack([columns, self.W_T[:, H], self.h]), self.gamma)
         friction = np.where(sliding, 0.0, self.friction[N])
         return self._problem(rows.T @ held[:, :-1], rows.T @ (held[:, -1] + kept) + known, friction, N)
 
@@ -200,7 +211,7 @@ class StateMechanics:
         C = self.C
         rough = C[self.friction[C] > 0.0]
         rows = np.hstack([self.W_N[:, C], self.W_T[:, rough]])
-        held, kept = self._condensed(rows, self.joint_rates)
+        held, kept = self.condensed(rows, self.joint_rates)
         reflected = np.where(np.abs(self.gap_rates[C]) > self.velocity_threshold, self.restitution[C], 0.0)
         before = reflected * self.gap_rates[C], self.tangential_restitution[rough] * self.slip_speeds[rough]
         return self._problem(rows.T @ held, rows.T @ (self.u - kept) + np.concatenate(before), self.friction[C], C)
@@ -208,8 +219,11 @@ class StateMechanics:
     def _problem(self, G: FloatArray, free: FloatArray, friction: FloatArray, chosen: IntArray) -> ContactProblem:
         return ContactProblem(G, free, friction, tuple((self.contacts[k], int(k)) for k in chosen))
 
-    def _condensed(self, columns: FloatArray, rates: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """P columns (n, k), and M^-1 J^T (J M^-1 J^T)^-1 rates (n,), the shortest motion in the metric of M."""
+    def condensed(self, columns: FloatArray, rates: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """P columns (n, k), and M^-1 J^T (J M^-1 J^T)^-1 rates (n,), the shortest motion in the metric of M.
+
+        columns: (n, k) forces. rates: (r,) what J times the motion is to be.
+        """
         spread = np.asarray(np.linalg.solve(self.M, np.column_stack([columns, self.J.T])))
         moved, answers = spread[:, : columns.shape[1]], spread[:, columns.shape[1] :]
         if not len(self.J):
