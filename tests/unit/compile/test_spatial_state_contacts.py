@@ -29,7 +29,7 @@ def ball_on_a_slope(
 
 
 def solved(problem: lf.solvers.SpatialContactProblem) -> np.ndarray:
-    return np.asarray(lf.solvers.Auto().solve(problem).z)
+    return np.asarray(lf.solvers.ConicFixedPoint().solve(problem).z)
 
 
 @pytest.mark.parametrize("first", ["ball", "ground"])
@@ -70,10 +70,10 @@ def test_a_sliding_ball_brakes_against_its_slip(first: str) -> None:
     problem = at.contact_problem()
     assert isinstance(problem, lf.solvers.SpatialContactProblem)
     normal = solved(problem)[0]
-    assert normal == pytest.approx(MASS * G, rel=1e-12)
+    assert normal == pytest.approx(MASS * G, rel=1e-7)
     push = at.W_N[:, 0] * normal - MU * normal * at.W_T[:, 0] @ at.slip_speeds[0] / np.linalg.norm(at.slip_speeds)
     udot = np.linalg.solve(at.M, at.h + push)
-    np.testing.assert_allclose(udot[:3], [-MU * G * 12.0 / 13.0, -MU * G * 5.0 / 13.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(udot[:3], [-MU * G * 12.0 / 13.0, -MU * G * 5.0 / 13.0, 0.0], atol=1e-6)
 
 
 def test_a_ball_that_strikes_is_left_as_by_newton() -> None:
@@ -83,12 +83,12 @@ def test_a_ball_that_strikes_is_left_as_by_newton() -> None:
     p = solved(at.contact_problem("impulse"))
     after = at.u + np.linalg.solve(at.M, at.W_N[:, 0] * p[0] + at.W_T[:, 0] @ p[1:])
     stick = 2.0 / 7.0 * MASS  # of the slip of 1 m/s, below mu times the normal impulse
-    assert p[0] == pytest.approx(1.5 * 2.0 * MASS, rel=1e-12)
-    assert np.linalg.norm(p[1:]) == pytest.approx(stick, rel=1e-9)
-    np.testing.assert_allclose(after[:3], [5.0 / 7.0, 0.0, 1.0], atol=1e-9)
+    assert p[0] == pytest.approx(1.5 * 2.0 * MASS, rel=1e-7)
+    assert np.linalg.norm(p[1:]) == pytest.approx(stick, rel=1e-6)
+    np.testing.assert_allclose(after[:3], [5.0 / 7.0, 0.0, 1.0], atol=1e-6)
 
 
 def test_a_ball_at_rest_may_stick() -> None:
     at = ball_on_a_slope().compile().at()
     assert at.H.tolist() == at.N.tolist() == [0]
-    np.testing.assert_allclose(solved(at.contact_problem()), [MASS * G, 0.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(solved(at.contact_problem()), [MASS * G, 0.0, 0.0], atol=1e-6)
