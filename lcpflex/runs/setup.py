@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from lcpflex.dynamics.time_structure import for_system, with_instants
 from lcpflex.errors import ModelError, shown
+from lcpflex.model.layout import is_spatial
 from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.problem_log import ProblemLog, RecordProblems
 from lcpflex.runs.sensing import Sensing, rates_of
@@ -15,6 +16,7 @@ from lcpflex.scene.scene import Scene
 from lcpflex.scene.spatial.scene import SpatialScene
 from lcpflex.scene.user_system import UserSystem
 from lcpflex.solvers.quadratic_program import QuadraticProgram
+from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 from lcpflex.steppers.user_functions import watch
 
 if TYPE_CHECKING:
@@ -122,6 +124,7 @@ def set_up(
         system = replace(system, model=for_system(system.model, system.probe, options.duration))
     system = replace(system, intervals=rates_of(source.sensors, options.duration, options.interval))
     _check_solver(stepper, system)
+    _check_space(stepper, system)
     problem_log = None
     if record_problems is not None:
         # asked when a problem comes: the pairs of a run that is restored are those of its file
@@ -136,6 +139,23 @@ def _indents(stepper: Stepper) -> Callable[[str], bool] | None:
     """Which contacts the stepper gives a force law."""
     indents: Callable[[str], bool] | None = getattr(stepper, "indents", None)
     return indents
+
+
+def _check_space(stepper: Stepper, system: System) -> None:
+    """Refuse what contacts in space are not offered with yet: it would run, and be wrong."""
+    if not is_spatial(system.model) or not len(system.model.contacts.friction):
+        return
+    if not isinstance(stepper, MoreauJean):
+        raise ModelError(
+            f"stepper: {shown(stepper)} was given for a SpatialScene with contacts, expected MoreauJean: the others "
+            "take contacts in the plane so far"
+        )
+    for name, law in zip(system.names, system.laws, strict=False):
+        if law is not None:
+            raise ModelError(
+                f"law: {shown(law)} of contact {name!r} of a SpatialScene was given, expected None: contacts in space "
+                "have no force laws so far"
+            )
 
 
 def _check_solver(stepper: Stepper, system: System) -> None:
