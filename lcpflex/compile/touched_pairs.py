@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.bodies.spatial.surface import TOUCHES, passes_of
 from lcpflex.bodies.surface import NO_NODE
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.contact.rule_pairs import CHAIN, POINT
@@ -38,15 +39,13 @@ def with_pairs(compiled: CompiledScene, pairs: Sequence[Pair]) -> tuple[Compiled
 
 def _with_passes(contacts: Any, pairs: Sequence[Pair], before: int) -> Any:
     rank, count = contacts.rule_rank, len(pairs)
-    passes = []
-    for law, (i, j) in enumerate(pairs, before):
-        passes.append((i, j, law) if rank[i] <= rank[j] else (j, i, law))
-        if rank[i] == CHAIN and rank[j] == CHAIN:
-            passes.append((j, i, law))
-    added = np.array(passes, dtype=np.int64).reshape(-1, 3)
+    passes = [(a, b, mode, law) for law, pair in enumerate(pairs, before) for a, b, mode in _passes(contacts, *pair)]
+    added = np.array(passes, dtype=np.int64).reshape(-1, 4)
     at = int(contacts.rule_pass[0])
     shifted = np.where(contacts.pass_law >= before, contacts.pass_law + count, contacts.pass_law)
-    old = (contacts.pass_node, contacts.pass_feature, shifted)
+    in_space = hasattr(contacts, "pass_mode")
+    mode = contacts.pass_mode if in_space else np.zeros_like(shifted)
+    old = (contacts.pass_node, contacts.pass_feature, mode, shifted)
     columns = [np.concatenate([one[:at], more, one[at:]]) for one, more in zip(old, added.T, strict=True)]
     start = contacts.barred_start
     owners = np.concatenate([np.repeat(np.arange(len(rank)), np.diff(start)), [i for i, _ in pairs]]).astype(np.int64)
@@ -57,19 +56,42 @@ def _with_passes(contacts: Any, pairs: Sequence[Pair], before: int) -> Any:
         for name in ("friction", "restitution", "tangential_restitution")
         for values in (getattr(contacts, name),)
     }
-    if hasattr(contacts, "law_surface"):  # in space
+    if in_space:
+        numbers["pass_mode"] = frozen(columns[2], np.int64)
         sides = np.array(pairs, dtype=np.int64).reshape(-1, 2)
         numbers["law_surface"] = frozen(np.insert(contacts.law_surface, before, sides, axis=0), np.int64)
     return contacts._replace(
         pass_node=frozen(columns[0], np.int64),
         pass_feature=frozen(columns[1], np.int64),
-        pass_law=frozen(columns[2], np.int64),
+        pass_law=frozen(columns[3], np.int64),
         rule_law=frozen(contacts.rule_law + count, np.int64),
         rule_pass=frozen(contacts.rule_pass + len(passes), np.int64),
         barred_start=frozen(np.searchsorted(owners[order], np.arange(len(rank) + 1)), np.int64),
         barred=frozen(others[order], np.int64),
         **numbers,
     )
+
+
+def _passes(contacts: Any, i: int, j: int) -> list[tuple[int, int, int]]:
+    """(node side, touched side, mode) of a pair of surfaces of the rule."""
+    rank = contacts.rule_rank
+    if hasattr(contacts, "pass_mode"):  # in space
+        kinds = int(contacts.surface_kind[i]), int(contacts.surface_kind[j])
+        sizes = [int(contacts.node_start[s + 1] - contacts.node_start[s]) for s in (i, j)]
+        deform = bool(contacts.surface_deflection[[i, j]].any())
+        found = passes_of(kinds, deform, (sizes[0], sizes[1]))
+        return [((i, j)[one.node_side], (i, j)[one.touched], one.mode) for one in found]
+    first = (i, j, 0) if rank[i] <= rank[j] else (j, i, 0)
+    return [first, (j, i, 0)] if rank[i] == CHAIN and rank[j] == CHAIN else [first]
+
+
+def _can_touch(contacts: Any, i: int, j: int) -> bool:
+    """Whether surfaces of these kinds can touch."""
+    if hasattr(contacts, "pass_mode"):  # in space
+        a, b = contacts.surface_kind[i], contacts.surface_kind[j]
+        return bool(TOUCHES[a, b] or TOUCHES[b, a])
+    ranks = sorted((contacts.rule_rank[i], contacts.rule_rank[j]))
+    return bool(ranks[0] < NO_NODE and ranks[1] > POINT)
 
 
 def pair_of(compiled: CompiledScene, name: str) -> Pair | None:
@@ -80,9 +102,8 @@ def pair_of(compiled: CompiledScene, name: str) -> Pair | None:
         i, j = (number.get(label, -1) for label in (name[:k], name[k + 1 :])) if letter == "/" else (-1, -1)
         if i < 0 or not i < j:
             continue
-        ranks = sorted((contacts.rule_rank[i], contacts.rule_rank[j]))
         barred = contacts.barred[contacts.barred_start[i] : contacts.barred_start[i + 1]]
         apart = contacts.surface_body[i] != contacts.surface_body[j]
-        if apart and ranks[0] < NO_NODE and ranks[1] > POINT and j not in barred:
+        if apart and _can_touch(contacts, i, j) and j not in barred:
             return i, j
     return None

@@ -34,7 +34,10 @@ def near(model: Any, q: FloatArray, margin: float) -> tuple[Any, int]:
 def surfaces_of(contacts: Contacts, key: int) -> tuple[int, int]:
     """Surfaces of the node and of the feature of an entry of a table, by its key."""
     node, feature = divmod(key, len(contacts.feature_kind))
-    sides = ((contacts.node_start, node), (contacts.feature_start, feature))
+    if node >= len(contacts.node_point):  # in space: an edge or rim instead
+        sides = tuple((contacts.feature_start, index) for index in (node - len(contacts.node_point), feature))
+    else:
+        sides = ((contacts.node_start, node), (contacts.feature_start, feature))
     a, b = (int(np.searchsorted(start, index, side="right")) - 1 for start, index in sides)
     return a, b
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.force_laws.law import Law
 from lcpflex.scene.declared import ContactRule, DeclaredContact
 from lcpflex.scene.handles import Placed
-from lcpflex.scene.joints.joint import Joint
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
+from lcpflex.scene.spatial.handles import SpatialPlaced
 
 __all__ = ["KeptRule", "by_rules", "contact_between", "rule_of"]
 
@@ -45,11 +46,11 @@ class KeptRule:
 
 
 def by_rules(
-    placed: Sequence[Placed],
+    placed: Sequence[Any],
     surfaces: Sequence[PlacedSurface],
     declared: Mapping[str, DeclaredContact],
     rules: Sequence[ContactRule],
-    joints: Sequence[Joint],
+    joints: Sequence[Any],
     listed: bool = True,
 ) -> tuple[dict[str, DeclaredContact], KeptRule | None]:
     """The contacts that "everything against everything" adds, by name; an earlier rule has precedence.
@@ -59,7 +60,7 @@ def by_rules(
     """
     if not rules:
         return {}, None
-    outlines = [p.surface() for p in placed if p.source and "outline" in p.source.surfaces]
+    outlines = [p.surface() for p in placed if p.has_outline]
     candidates = (*outlines, *surfaces)
     kept = rules[0].law is None and len(candidates) > LISTED and not listed
     taken = _apart(candidates, declared, joints)
@@ -97,7 +98,7 @@ def _between(a: Iterable[int], b: Collection[int]) -> Pairs:
 
 
 def _apart(
-    candidates: Sequence[PlacedSurface], declared: Mapping[str, DeclaredContact], joints: Sequence[Joint]
+    candidates: Sequence[PlacedSurface], declared: Mapping[str, DeclaredContact], joints: Sequence[Any]
 ) -> Pairs:
     """Pairs that no rule is for: declared by themselves, or of two bodies with a joint between them."""
     number = {surface.label: k for k, surface in enumerate(candidates)}
@@ -122,8 +123,8 @@ def _excluded_pairs(rule: ContactRule, candidates: Sequence[PlacedSurface]) -> P
     number = {surface.label: k for k, surface in enumerate(candidates)}
     of_body = _of_bodies(candidates)
 
-    def meant(side: Placed | PlacedSurface) -> Collection[int]:
-        if isinstance(side, Placed):
+    def meant(side: Placed | SpatialPlaced | PlacedSurface) -> Collection[int]:
+        if isinstance(side, Placed | SpatialPlaced):
             return of_body.get(side.body, ())
         return [number[side.label]] if side.label in number else ()
 
@@ -178,7 +179,7 @@ def rule_of(
     friction: float,
     restitution: float,
     tangential_restitution: float,
-    exclude: Sequence[tuple[Placed | PlacedSurface, Placed | PlacedSurface]],
+    exclude: Sequence[tuple[Any, Any]],  # of bodies and surfaces
     law: Law | None,
 ) -> ContactRule:
     """What :meth:`lcpflex.scene.scene.Scene.contact_all` declares; or ModelError."""
@@ -186,7 +187,7 @@ def rule_of(
         raise ModelError(f"exclude: {shown(exclude)} was given, expected a list of pairs of bodies or surfaces")
     for pair in exclude:
         sides = pair if isinstance(pair, tuple | list) else ()
-        if len(sides) != 2 or not all(isinstance(side, Placed | PlacedSurface) for side in sides):
+        if len(sides) != 2 or not all(isinstance(side, Placed | SpatialPlaced | PlacedSurface) for side in sides):
             raise ModelError(f"exclude: {shown(pair)} was given, expected pairs of bodies or surfaces")
         for side in pair:
             check_own(scene, "exclude", side)

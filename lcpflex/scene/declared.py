@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from lcpflex.bodies.body import Body
 from lcpflex.force_laws.law import Law
@@ -35,7 +35,7 @@ class ContactRule:
     friction: float
     restitution: float
     tangential_restitution: float
-    exclude: tuple[tuple[Placed | PlacedSurface, Placed | PlacedSurface], ...]
+    exclude: tuple[tuple[Any, Any], ...]  # of bodies and surfaces
     law: Law | None = None
 
 

@@ -59,6 +59,11 @@ class Placed:
         """The point of a solid of revolution that rides with its frame; None of other bodies."""
         return self.source.points.get("axis") if self.source is not None and self.source.axisymmetric else None
 
+    @property
+    def has_outline(self) -> bool:
+        """Whether the body came with a surface that is the whole of it."""
+        return self.source is not None and "outline" in self.source.surfaces
+
     def point(self, name: str) -> PlacedPoint:
         """A named point of the body."""
         known = {} if self.source is None else self.source.points

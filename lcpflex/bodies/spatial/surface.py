@@ -31,6 +31,7 @@ __all__ = [
     "SpatialKind",
     "SpatialSurface",
     "carried",
+    "passes_of",
     "plane",
     "surface_of",
 ]
@@ -116,24 +117,30 @@ class SpatialSurface:
     def passes(self, other: SpatialSurface, node_side: int | None = None) -> tuple[Pass, ...]:
         """What is looked at between this surface and another one, 0: this one, 1: the other.
 
-        Of two node sides: both, and edges against edges. But where one of them deforms, the finer one alone, that with
-        more points: two meshes that touch with the nodes of both have each force shared in a way nothing determines.
+        node_side: the one that was chosen.
         """
         if node_side is not None:
             return (Pass(node_side, 1 - node_side),)
-        pair = (self, other)
-        first = 0 if CODES[self.kind] <= CODES[other.kind] else 1
-        if not (self.can_be_node_side(other) and other.can_be_node_side(self)):
-            side = 0 if self.can_be_node_side(other) else 1
-            return (Pass(side, 1 - side),)
-        if not (self.kind in WITH_EDGES and other.kind in WITH_EDGES):
-            return (Pass(first, 1 - first),)
-        if self.deforms or other.deforms:
-            side = 0 if len(self.points) >= len(other.points) else 1
-            return (Pass(side, 1 - side),)
-        capsule = pair[first].kind is SpatialKind.CAPSULE  # its ends have touched what is a point already
-        return (Pass(first, 1 - first), Pass(1 - first, first, NO_POINTS if capsule else ALL_FEATURES),
-                Pass(first, 1 - first, EDGES))  # fmt: skip
+        codes = CODES[self.kind], CODES[other.kind]
+        return passes_of(codes, self.deforms or other.deforms, (len(self.points), len(other.points)))
+
+
+def passes_of(kinds: tuple[int, int], deform: bool, points: tuple[int, int]) -> tuple[Pass, ...]:
+    """What is looked at between two surfaces, by the codes of their kinds and the numbers of their points.
+
+    Of two node sides: both, and edges against edges. But where one of them deforms, the finer one alone, that with more
+    points: two meshes that touch with the nodes of both have each force shared in a way nothing determines.
+    """
+    first = 0 if kinds[0] <= kinds[1] else 1
+    other = 1 - first
+    if not TOUCHES[kinds[first], kinds[other]]:
+        return (Pass(other, first),)
+    if not (TOUCHES[kinds[other], kinds[first]] and EDGED[kinds[0]] and EDGED[kinds[1]]):
+        return (Pass(first, other),)
+    if deform:
+        return (Pass(first, other),) if points[first] >= points[other] else (Pass(other, first),)
+    capsule = kinds[first] == CAPSULE  # its ends have touched what is a point already
+    return Pass(first, other), Pass(other, first, NO_POINTS if capsule else ALL_FEATURES), Pass(first, other, EDGES)
 
 
 def surface_of(shape: Shape) -> SpatialSurface | None:

@@ -21,6 +21,7 @@ from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import frozen
 from lcpflex.model.spatial import SpatialModel
+from lcpflex.scene.contact_rules import by_rules
 from lcpflex.scene.spatial.scene import SpatialParts
 
 if TYPE_CHECKING:
@@ -50,12 +51,16 @@ def compiled_spatial_scene(
     }
     joints = compile_spatial_joints(parts.joints, assembly, project)
     loads = compile_spatial_loads(scene.gravity, parts.loads, assembly)
-    contacts = compile_spatial_contacts(parts.contacts, parts.surfaces, assembly)
+    by_rule, rule = by_rules(
+        parts.placed, parts.surfaces, parts.contacts, parts.rules, tuple(parts.joints.values()), indents is not None
+    )
+    declared = {**parts.contacts, **by_rule}
+    contacts = compile_spatial_contacts(declared, parts.surfaces, assembly, rule, len(parts.contacts))
     signals, callbacks = assembly.signals.compile()
     model = SpatialModel(bodies, assembly.points.compile(), signals, joints, loads, contacts)
     layout = Layout(
         bodies=tuple(p.name for p in parts.placed),
-        contacts=tuple(parts.contacts),
+        contacts=tuple(declared),
         joints=tuple(parts.joints),
         outlines=(),
         circles=(),
@@ -64,6 +69,7 @@ def compiled_spatial_scene(
         residual=tuple((body.residual_modes, 0) for body in parts.bodies),
         axes=tuple(None for _ in parts.placed),
         shapes=tuple(body.shape for body in parts.bodies),
+        rule_surfaces=tuple(surface.label for surface in rule.surfaces) if rule else (),
     )
     external = np.zeros((assembly.signals.n_external, 3))
     for callback in callbacks:  # a trial: what is wrong with a function is said before time is spent
@@ -71,8 +77,8 @@ def compiled_spatial_scene(
     size = spatial_size(parts, model, q)
     if parts.joints:
         q, u = consistent_start(model, parts.joints, q, u, external, size, project)
-    if parts.contacts:
-        hard = {name for name, one in parts.contacts.items() if one.law is None and not (indents and indents(name))}
+    if declared or rule:
+        hard = {name for name, one in declared.items() if one.law is None and not (indents and indents(name))}
         refuse_penetration(model, q.copy(), layout, hard, size)
     return CompiledScene(
         model,
@@ -82,7 +88,7 @@ def compiled_spatial_scene(
         size,
         len(external),
         callbacks,
-        tuple(contact.law for contact in parts.contacts.values()),
+        tuple(contact.law for contact in declared.values()),
         assembly.signals.functions,
         recovery=tuple(body.recovery for body in parts.bodies),
         sensors=tuple(compiled_spatial_sensor(name, one, bodies, layout) for name, one in parts.sensors.items()),

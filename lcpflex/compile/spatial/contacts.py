@@ -16,6 +16,7 @@ from lcpflex.compile.spatial.mesh_features import node_normals
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import frozen
 from lcpflex.model.spatial import SpatialContacts, no_spatial_contacts
+from lcpflex.scene.contact_rules import KeptRule
 from lcpflex.scene.declared import DeclaredContact
 from lcpflex.scene.placed_surface import PlacedSurface
 
@@ -23,10 +24,17 @@ __all__ = ["compile_spatial_contacts"]
 
 
 def compile_spatial_contacts(
-    declared: Mapping[str, DeclaredContact], surfaces: Sequence[PlacedSurface], assembly: SpatialAssembly
+    declared: Mapping[str, DeclaredContact],
+    surfaces: Sequence[PlacedSurface],
+    assembly: SpatialAssembly,
+    rule: KeptRule | None = None,
+    before: int = 0,
 ) -> SpatialContacts:
-    """Arrays of the contacts, and of all surfaces: those without a contact are drawn, too."""
-    used = {s.label: s for s in surfaces}
+    """Arrays of the contacts, and of all surfaces: those without a contact are drawn, too.
+
+    ``rule``: one that is not listed; its contacts come after so many of the ``declared``.
+    """
+    used = {s.label: s for s in (*(rule.surfaces if rule else ()), *surfaces)}
     for contact in declared.values():
         used.update((s.label, s) for s in contact.pair)
     if not used:
@@ -43,7 +51,7 @@ def compile_spatial_contacts(
     sides = [[number[side.label] for side in contact.pair] for contact in declared.values()]
     laws = np.array([(c.friction, c.restitution, c.tangential_restitution) for c in declared.values()]).reshape(-1, 3)
     ints = np.int64
-    return no_spatial_contacts()._replace(
+    contacts = no_spatial_contacts()._replace(
         surface_kind=frozen([CODES[shape.kind] for shape in shapes], ints),
         surface_body=frozen([surface.body for surface in used.values()], ints),
         surface_center=frozen(spheres[:, :3], columns=3),
@@ -58,6 +66,24 @@ def compile_spatial_contacts(
         restitution=frozen(laws[:, 1]),
         tangential_restitution=frozen(laws[:, 2]),
         law_surface=frozen(sides, ints, columns=2),
+    )
+    return contacts if rule is None else _with_rule(contacts, rule, before)
+
+
+def _with_rule(contacts: SpatialContacts, rule: KeptRule, before: int) -> SpatialContacts:
+    """The arrays with a rule for the first surfaces, whose law is the last one."""
+    numbers, n = rule.rule, len(rule.surfaces)
+    barred = np.array(rule.barred, dtype=np.int64).reshape(-1, 2)
+    return contacts._replace(
+        friction=frozen([*contacts.friction, numbers.friction]),
+        restitution=frozen([*contacts.restitution, numbers.restitution]),
+        tangential_restitution=frozen([*contacts.tangential_restitution, numbers.tangential_restitution]),
+        law_surface=frozen([*contacts.law_surface, (-1, -1)], np.int64, columns=2),
+        rule_rank=frozen(contacts.surface_kind[:n], np.int64),
+        rule_law=frozen([len(contacts.friction)], np.int64),
+        rule_pass=frozen([np.count_nonzero(contacts.pass_law < before)], np.int64),
+        barred_start=frozen(np.searchsorted(barred[:, 0], np.arange(n + 1)), np.int64),
+        barred=frozen(barred[:, 1], np.int64),
     )
 
 

@@ -16,6 +16,7 @@ from lcpflex.basics.arguments import absent, array_of, positive
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.bodies.spatial import surface as surfaces
 from lcpflex.bodies.spatial.body import SpatialPoint
+from lcpflex.bodies.spatial.shapes import SurfaceShape
 from lcpflex.bodies.spatial.surface import SpatialKind, SpatialSurface
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.scene.placed_surface import PlacedSurface
@@ -43,6 +44,12 @@ class SpatialPlaced:
     source: SpatialBody | None = field(repr=False)  # None for the ground
     start: tuple[FloatArray, FloatArray] = field(repr=False)  # (7 + n,) configuration and (6 + n,) velocity
     scene: Register = field(repr=False)
+
+    @property
+    def has_outline(self) -> bool:
+        """Whether the body has a surface that can be touched."""
+        shape = None if self.source is None else self.source.shape
+        return shape is not None and not (isinstance(shape, SurfaceShape) and not len(shape.triangles))
 
     def point(self, name: str) -> PlacedPoint:
         """A named point of the body."""

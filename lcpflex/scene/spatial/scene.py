@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import deepcopy
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -17,8 +17,8 @@ from lcpflex.bodies.spatial.body import SpatialBody
 from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.force_laws.law import Law
 from lcpflex.scene import compiling
-from lcpflex.scene.contact_rules import contact_between
-from lcpflex.scene.declared import DeclaredContact
+from lcpflex.scene.contact_rules import contact_between, rule_of
+from lcpflex.scene.declared import ContactRule, DeclaredContact
 from lcpflex.scene.naming import free_name
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
 from lcpflex.scene.sensors.sensor import Sensor, check_placed_sensor
@@ -45,6 +45,7 @@ class SpatialParts(NamedTuple):
     sensors: dict[str, Sensor]
     contacts: dict[str, DeclaredContact]
     surfaces: tuple[PlacedSurface, ...]  # made by hand on bodies and the ground
+    rules: tuple[ContactRule, ...]
 
     @property
     def bodies(self) -> tuple[SpatialBody, ...]:
@@ -78,6 +79,7 @@ class SpatialScene:
         self._sensors: dict[str, Sensor] = {}
         self._surfaces: list[PlacedSurface] = []
         self._contacts: dict[str, DeclaredContact] = {}
+        self._rules: list[ContactRule] = []
         self._between: dict[frozenset[str], str] = {}  # name of the contact between two surfaces, by their labels
         self._made: Counter[str] = Counter()  # surfaces made of each kind, by their labels without the number
 
@@ -198,6 +200,24 @@ class SpatialScene:
         self._between[frozenset((a.label, b.label))] = name
         return name
 
+    def contact_all(
+        self,
+        friction: float = 0.0,
+        restitution: float = 0.0,
+        tangential_restitution: float = 0.0,
+        exclude: Sequence[tuple[SpatialPlaced | PlacedSurface, SpatialPlaced | PlacedSurface]] = (),
+        *,
+        law: Law | None = None,
+    ) -> None:
+        """Everything against everything: the surface of each body and all surfaces made on bodies and on the ground.
+
+        What is left out, and how contacts are named, is as in :meth:`lcpflex.Scene.contact_all`.
+
+        friction, restitution, tangential_restitution, law: as in :meth:`contact`, of all these contacts. exclude: pairs
+        of bodies or surfaces.
+        """
+        self._rules.append(rule_of(self, friction, restitution, tangential_restitution, exclude, law))
+
     def compile(self, project: bool = False, indents: Callable[[str], bool] | None = None) -> CompiledScene:
         """Check the scene as a whole and compile it; the scene is not changed.
 
@@ -230,6 +250,7 @@ class SpatialScene:
             dict(self._sensors),
             dict(self._contacts),
             tuple(self._surfaces),
+            tuple(self._rules),
         )
 
     def keep(self, surface: PlacedSurface) -> None:

@@ -7,8 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
+from lcpflex.contact.near import near
+from lcpflex.jit.struct import pack
 
 UP = (0.0, 0.0, 1.0)
 
@@ -79,3 +82,54 @@ def test_a_start_with_a_penetration_is_refused_by_the_name_of_the_contact() -> N
     with pytest.raises(lf.ModelError, match=r"'floor': its surfaces penetrate by 0\.01 m"):
         scene.compile()
     scene.compile(indents=lambda name: name == "floor")
+
+
+def heap(number: int, seed: int = 0) -> lf.SpatialScene:
+    """Balls, boxes and capsules in a box that is open above."""
+    scene, rng = lf.SpatialScene(), np.random.default_rng(seed)
+    bodies = (lf.Sphere(0.1, mass=1.0), lf.Cuboid(0.2, 0.1, 0.15, mass=1.0), lf.Capsule(0.05, 0.1, mass=1.0))
+    for k in range(number):
+        place = 0.3 * np.array(np.unravel_index(k, (4, 4, 1 + number // 16)))
+        scene.add(bodies[k % 3], position=place, orientation=Rotation.random(rng=rng))
+    scene.ground.plane((0.0, 0.0, -0.2), UP)
+    scene.contact_all(friction=0.3)
+    return scene
+
+
+def gaps_of(compiled: Any) -> set[Any]:
+    table, n = near(pack(compiled.model), compiled.q.copy(), 0.2)
+    return {(*table.body[k].tolist(), int(table.kind[k]), round(float(table.gap[k]), 12)) for k in range(n)}
+
+
+def test_a_rule_finds_by_cells_what_contacts_that_are_listed_find() -> None:
+    scene = heap(40)
+    by_cells, listed = scene.compile(), scene.compile(indents=lambda name: True)
+    assert len(by_cells.layout.contacts) == 0
+    assert len(listed.layout.contacts) == 40 * 39 // 2 + 40
+    assert listed.layout.contacts[0] == "body1.surface/body2.surface"
+    assert len(by_cells.layout.rule_surfaces) == 41
+    found = gaps_of(by_cells)
+    assert len(found) > 60
+    assert found == gaps_of(listed)
+
+
+def test_few_surfaces_are_listed_and_pairs_that_are_excluded_or_jointed_are_not() -> None:
+    scene, low, high = two_balls()
+    floor = scene.ground.plane((0.0, 0.0, 0.0), UP)
+    third = scene.add(lf.Sphere(0.1, mass=1.0), "third", position=(1.0, 0.0, 0.5))
+    scene.join(lf.Ball(third.at(0.0, 0.0, 0.0), high.at(1.0, 0.0, 0.1)))
+    scene.contact_all(restitution=0.5, exclude=[(low, floor)])
+    scene.contact(low.surface(), third.surface(), name="own")
+    assert scene.compile().layout.contacts == (
+        "own",
+        "low.surface/high.surface",
+        "high.surface/ground.plane1",
+        "third.surface/ground.plane1",
+    )
+
+
+def test_a_penetration_under_a_rule_is_told_by_the_names_of_its_surfaces() -> None:
+    scene = heap(40)
+    scene.add(lf.Cuboid(0.2, 0.1, 0.15, mass=1.0), "sunk", position=(3.0, 0.0, -0.15))
+    with pytest.raises(lf.ModelError, match=r"'ground.plane1/sunk.surface'|'sunk.surface/ground.plane1'"):
+        scene.compile()
