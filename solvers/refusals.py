@@ -30,7 +30,7 @@ def only_cones(solver: Any, problem: Any) -> str:
     if has_cones(problem):
         return ""
     kind = type(problem).__name__
-    return f"{type(solver).__name__} takes contact in space: {kind} was given, expected a SpatialContactProblem"
+    return f"problem: {kind} was given to {type(solver).__name__}, expected a SpatialContactProblem"
 
 
 def check_answer(found: Any) -> Solution:

@@ -26,10 +26,8 @@ __all__ = [
     "tried_point",
 ]
 
-CONES = "lcpflex.solvers.contact.cones.posed"
 
-
-@in_space(CONES)
+@in_space("lcpflex.solvers.contact.cones.posed")
 def posed_lcp(data: ContactData, memory: SolverMemory) -> Lcp:
     """The problem as an LCP, measured as the compiled solver would."""
     pose_lcp(data, memory)
@@ -41,7 +39,7 @@ def _lcp(memory: SolverMemory) -> Lcp:
     return Lcp(memory.M[:m, :m], memory.q[:m]).measured_in(memory.units[:m].copy())
 
 
-@in_space(CONES)
+@in_space("lcpflex.solvers.contact.cones.posed")
 def posed_problem(data: ContactData, memory: SolverMemory) -> Lcp | ContactProblem:
     """The problem by its contacts.
 
@@ -76,13 +74,13 @@ def own_pull(data: ContactData) -> FloatArray:
     return pull
 
 
-@in_space(CONES)
+@in_space("lcpflex.solvers.contact.cones.posed")
 def tried_point(memory: SolverMemory) -> FloatArray:
     """The point that the last solve came to, in the unknowns of :func:`posed_lcp`."""
     return memory.z[: memory.size].copy()
 
 
-@in_space(CONES)
+@in_space("lcpflex.solvers.contact.cones.posed")
 def measured(data: ContactData, memory: SolverMemory, *points: FloatArray) -> list[tuple[float, float, float]]:
     """Of the residual of points z (m,) of :func:`posed_lcp`: what is left, the size of its terms, its load."""
     pose_lcp(data, memory)
@@ -91,21 +89,21 @@ def measured(data: ContactData, memory: SolverMemory, *points: FloatArray) -> li
         return [residual_parts(memory.alike, memory.load, z[:m] / memory.units[:m], m) for z in points]
 
 
-@in_space(CONES)
+@in_space("lcpflex.solvers.contact.cones.posed")
 def put_wedged(memory: SolverMemory, z: FloatArray) -> None:
     """Leave there the best point that could be found of wedged bodies, for when the problem is posed again."""
     memory.z[: len(z)] = z
     memory.known = WEDGED_KNOWN
 
 
-@in_space(CONES)
+@in_space("lcpflex.solvers.contact.cones.posed")
 def put_solution(data: ContactData, memory: SolverMemory, solution: Solution) -> None:
     """Leave there what is known to solve the problem, for when it is posed again."""
     take_solution(data, memory, solution)
     memory.known = SOLUTION_KNOWN
 
 
-@in_space(CONES)
+@in_space("lcpflex.solvers.contact.cones.posed")
 def take_solution(data: ContactData, memory: SolverMemory, solution: Solution) -> None:
     """The answer of a Python solver as if a compiled one had found it."""
     m = memory.size

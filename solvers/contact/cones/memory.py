@@ -66,6 +66,9 @@ class SpatialSolverMemory:
     worst: float  # absolute residual of the present point
     terms: float  # size of what cancels in its velocities
     sliding: int  # 1: some contact slips at it
+    # what event-driven kernels of the plane read, which no contact of space comes to yet
+    normal: FloatArray = array("contacts")
+    tangential: FloatArray = array("contacts")
     force: FloatArray = array("triples")
     aside: FloatArray = array("triples")  # forces to go back to
     velocity: FloatArray = array("triples")

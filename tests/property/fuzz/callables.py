@@ -64,6 +64,7 @@ INTERNAL = {
         "check",
         "holder",
         "compiled",
+        "condensed",
         "indents",
         "judged",
         "keep",
