@@ -86,6 +86,7 @@ def spatial_parts_faces() -> list[Face]:
         Face("SpatialScene.load", _load, lambda: {"load": None}),
         Face("SpatialScene.sensor", _sensor, lambda: {"sensor": None}),
         Face("SpatialScene.contact", _contact, dict),
+        Face("SpatialScene.contact_all", lf.SpatialScene.contact_all, dict, lf.SpatialScene),
         Face("SpatialScene.contact of", _sides, lambda: {"a": None, "b": None}),
         Face("SpatialPlaced.plane", placed().plane, lambda: {"point": (0.0, 0.0, 0.0), "normal": axis}),
         Face("SpatialPlaced.sphere", placed().sphere, lambda: {"center": (0.0, 0.0, 0.0), "radius": 0.1}),
