@@ -16,6 +16,7 @@ from lcpflex.basics.arguments import absent, array_of, positive
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.bodies.spatial import surface as surfaces
 from lcpflex.bodies.spatial.body import SpatialPoint
+from lcpflex.bodies.spatial.closed_surface import check_closed
 from lcpflex.bodies.spatial.shapes import SurfaceShape
 from lcpflex.bodies.spatial.surface import SpatialKind, SpatialSurface
 from lcpflex.errors import ModelError, in_range, shown
@@ -85,6 +86,8 @@ class SpatialPlaced:
                 f"surface: {held} has none that can be touched, expected a Sphere, Cuboid, Capsule, ConvexHull or "
                 "mesh; make one with sphere, node, hole or plane"
             )
+        if len(shape.triangles):
+            check_closed(f"surface of {shown(self.name)}", np.array([p.place for p in shape.points]), shape.triangles)
         return PlacedSurface(self.scene, self.body, f"{self.name}.surface", shape, methodcaller("surface"))
 
     def sphere(self, center: Place, radius: float) -> PlacedSurface:
