@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from lcpflex.contact.spatial.entries import load_edges
 from lcpflex.contact.spatial.kinds import EDGE
-from lcpflex.contact.spatial.narrow_phase.edges import edges_cross
+from lcpflex.contact.spatial.narrow_phase.edges import END, TILT, edges_cross
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, frame_of, place_in, seen_from, world_place
 from lcpflex.contact.spatial.node_pass import THIN
 from lcpflex.contact.spatial.ownership import corners_of, facet_normal
@@ -34,9 +34,6 @@ from lcpflex.kinematics.spatial.vectors import (
 from lcpflex.model.spatial import SpatialModel
 
 __all__ = ["edges_on_edges"]
-
-TILT = 0.02  # [rad] by which a normal may be off a wedge: faces that are less from parallel touch as such
-END = 1e-6  # of its length: an edge that is crossed so near its end touches with its vertex
 
 
 class Wedge(NamedTuple):

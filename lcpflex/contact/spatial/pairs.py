@@ -15,11 +15,10 @@ Ericson 2005 (closest features); Pfeiffer & Glocker 1996 (the plane); the equati
 
 from __future__ import annotations
 
-import math
-
 from lcpflex.contact.spatial.narrow_phase.edge import edge_turning, refresh_edge
 from lcpflex.contact.spatial.narrow_phase.edges import edges_turning, refresh_edges
 from lcpflex.contact.spatial.narrow_phase.facet import plane_slip, plane_turn, refresh_facet
+from lcpflex.contact.spatial.narrow_phase.margins import margin_on_i, margin_on_j
 from lcpflex.contact.spatial.narrow_phase.point import point_turning, refresh_point
 from lcpflex.contact.spatial.narrow_phase.rim import lowest_on_rim, refresh_rim, rim_axis, rim_rate
 from lcpflex.contact.spatial.narrow_phase.sides import (
@@ -273,11 +272,12 @@ def contact_point(model: SpatialModel, q: FloatArray, table: SpatialContactTable
 
 @kernel
 def foot_margin(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> float:
-    """How far the foot of entry k is inside its feature."""
-    return math.inf
+    """How far the foot of entry k is inside its feature: see :mod:`lcpflex.contact.spatial.narrow_phase.margins`."""
+    i = frame_of(model.bodies, q, table.body[k, 0])
+    return margin_on_j(model, q, i, frame_of(model.bodies, q, table.body[k, 1]), table, k)
 
 
 @kernel
 def node_margin(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> float:
-    """How far the foot of entry k is inside what its node is."""
-    return math.inf
+    """How far the contact of entry k is inside what its node, edge or rim is; infinite of round nodes."""
+    return margin_on_i(model, q, frame_of(model.bodies, q, table.body[k, 0]), table, k)

@@ -11,7 +11,7 @@ from lcpflex.contact.spatial.bounds import plane_at
 from lcpflex.contact.spatial.edge_pass import edges_on_edges
 from lcpflex.contact.spatial.entries import load_node, load_rim
 from lcpflex.contact.spatial.kinds import PLANE, POINT, RIM
-from lcpflex.contact.spatial.narrow_phase.rim import lowest_on_rim, rim_axis
+from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, rim_axis
 from lcpflex.contact.spatial.narrow_phase.sides import frame_of, place_in, world_place
 from lcpflex.contact.spatial.node_pass import nodes_on_features
 from lcpflex.contact.spatial.pairs import refresh
@@ -24,7 +24,6 @@ from lcpflex.model.spatial import SpatialModel
 
 __all__ = ["detect_pass"]
 
-NO_TILT = 1e-7  # sine of the tilt of a disc below which rounding tells where its lowest point is
 STANDING = 1e-2  # up to which fixed points of its rim join the lowest one
 
 
@@ -76,7 +75,7 @@ def rims_on_plane(
 
     The lowest point of a rim tells its gap exactly, while the tilt tells where that is. Fixed points of the rim, which
     are above it or as low, join it at small tilts, and are alone where there is none: one point holds no disc that
-    stands. They come and go above the lowest point, so that the least gap has no jump but RIM_POINTS make of NO_TILT.
+    stands. They come and go above the lowest point, so that the least gap has no jump but RIM_POINTS make of FLAT.
     """
     c = model.contacts
     f = c.feature_start[b]
@@ -90,7 +89,7 @@ def rims_on_plane(
         gap = dot(normal, apart_from(center, o)) + c.feature_radius[rim] * dot(normal, lowest)
         if gap > margin:
             continue
-        if tilt > NO_TILT:
+        if tilt > FLAT:
             if n < len(table.key):
                 load_rim(model, table, n, law, rim, f)
                 refresh(model, q, table, n)

@@ -99,3 +99,66 @@ def test_gap_is_the_distance_between_what_touches(kind):
         if first is not None:
             point = contact_point(of.moving.model, q, of.table, 0)
             np.testing.assert_allclose(point, first + of.lever(q, of.axes()[0]), atol=1e-14)
+
+
+def test_tangent_of_spheres_changes_its_axis_only_where_that_comes_close_to_the_normal():
+    of = pair(NODE_POINT, 0, (0, 0), 1, (0.3, 0.2, 0.0))
+    points, q = of.moving.model.points, of.moving.q.copy()
+    o, axes = points.place[1], []
+    for angle in np.linspace(0.0, 4.0 * np.pi, 200):
+        q[:3] = o + np.array([np.cos(angle), np.sin(angle), 0.0]) - (of.place(of.moving.q, 0) - of.moving.q[:3])
+        of.at(q)
+        np.testing.assert_allclose(of.axes() @ of.axes().T, np.eye(3), atol=1e-14)
+        np.testing.assert_allclose(of.axes()[0], [np.cos(angle), np.sin(angle), 0.0], atol=1e-12)
+        axes.append(int(of.table.along[0]))
+    assert np.count_nonzero(np.diff(axes)) <= 1  # the third axis stays normal to all normals
+
+
+def test_centres_that_coincide_keep_the_normal():
+    for kind in (NODE_POINT, NODE_EDGE):
+        of = pair(kind, 0, (0, 0), 1, (0.3, 0.2, 0.0))
+        q, before = of.moving.q.copy(), of.axes()
+        q[:3] += of.moving.model.points.place[1] - of.place(q, 0)
+        assert of.gap(q) == pytest.approx(-0.5, abs=1e-14)
+        np.testing.assert_array_equal(of.axes(), before)
+        assert np.isfinite(of.rows(q)).all()
+        assert np.isfinite(of.bias(q, of.moving.u)).all()
+
+
+def test_parallel_edges_have_no_feet():
+    of = pair(EDGE_EDGE, 0, (0, 0), 1)
+    points, q, before = of.moving.model.points, of.moving.q.copy(), of.axes()
+    e, f = (points.place[end + 1] - points.place[end] for end in (0, 2))
+    e, f = e / np.linalg.norm(e), f / np.linalg.norm(f)
+    turn = np.append(1.0 + e @ f, np.cross(e, f))
+    q[3:7] = turn / np.linalg.norm(turn)
+    of.at(q)
+    assert np.isinf(of.table.foot[0]).all()
+    np.testing.assert_array_equal(of.axes(), before)
+    assert not np.isfinite(of.rows(q)[:, 3:6]).any()  # no number that looks right
+
+
+def flat_disc(tilt: float) -> Pair:
+    """Over the plane z = 0 of the ground, its axis tilted from z."""
+    of = pair(RIM_FACET, 0, (0, 0), 1, (0.0, 0.0, 0.7))
+    points, q = of.moving.model.points, of.moving.q.copy()
+    of.moving.u[:] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, *of.moving.u[6:]]
+    a = points.place[1] - points.place[0]
+    a /= np.linalg.norm(a)
+    at = of.axes()[0]
+    across = np.cross(at, [1.0, 0.0, 0.0])
+    goal = np.cos(tilt) * at + np.sin(tilt) * across / np.linalg.norm(across)
+    turn = np.append(1.0 + a @ goal, np.cross(a, goal))
+    q[3:7] = turn / np.linalg.norm(turn)
+    of.moving.q = q
+    of.at(q)
+    return of
+
+
+@pytest.mark.parametrize("tilt", [0.0, 1e-9, 1e-5, 1e-2])
+def test_height_of_a_disc_that_nearly_lies_flat(tilt):
+    of = flat_disc(tilt)
+    center = of.place(of.moving.q, 0) - of.place(of.moving.q, 2)
+    np.testing.assert_allclose(of.table.gap[0], of.axes()[0] @ center - 0.7 * np.sin(tilt), atol=1e-15)
+    assert np.isfinite(of.rows(of.moving.q)).all()
+    assert np.isfinite(of.bias(of.moving.q, of.moving.u)).all()

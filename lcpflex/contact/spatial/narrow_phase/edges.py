@@ -27,8 +27,10 @@ from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, scaled, turned, turned_back
 from lcpflex.model.spatial import SpatialPoints
 
-__all__ = ["PARALLEL", "edges_cross", "edges_turning", "refresh_edges"]
+__all__ = ["END", "PARALLEL", "TILT", "edges_cross", "edges_turning", "refresh_edges"]
 
+TILT = 0.02  # [rad] by which a normal may be off a wedge: faces that are less from parallel touch as such
+END = 1e-6  # of its length: an edge that is crossed so near its end touches with its vertex
 PARALLEL = 1e-6  # sine of the angle below which two edges are no pair of their own: their ends touch instead
 
 

@@ -4,8 +4,8 @@
     mdot = ndot - (ndot.a + n.adot) a - (n.a) adot,   cdot = -(mdot - c (c.mdot))/|m|
 
 a is fixed in the material at o. C moves along the rim without changing the gap in first order, and the gap rate is
-that of the material at C: n.(v_o + R Omega x c - v_Q). |m| is the sine of the tilt. A disc that lies flat has no
-lowest point, and touches with fixed points instead: see :func:`rim_is_flat`.
+that of the material at C: n.(v_o + R Omega x c - v_Q). |m| is the sine of the tilt. A disc that lies flat, |m| below
+``FLAT``, has no lowest point that could be told, and touches with fixed points of its rim instead.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from lcpflex.kinematics.spatial.rotations import Vector, cross, exponential, rot
 from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, scaled, turned
 from lcpflex.model.spatial import SpatialPoints
 
-__all__ = ["FLAT", "lowest_on_rim", "refresh_rim", "rim_axis", "rim_is_flat", "rim_rate"]
+__all__ = ["FLAT", "lowest_on_rim", "refresh_rim", "rim_axis", "rim_rate"]
 
-FLAT = 1e-4  # sine of the tilt below which a disc lies flat, and a side of a cylinder stands upright
-NO_TILT = 1e-12  # below this rounding alone tells where the lowest point is
+FLAT = 1e-7  # sine of the tilt below which a disc lies flat: rounding tells where its lowest point is
+LEVEL = 1e-12  # and below which it has none
 
 
 @kernel
@@ -41,18 +41,12 @@ def rim_axis(points: SpatialPoints, q: FloatArray, frame: Frame, o: int, x: int)
 
 
 @kernel
-def rim_is_flat(a: Vector, n: Vector) -> bool:
-    """Whether a disc with axis a lies so flat on a plane with normal n that its rim has no lowest point."""
-    return norm(apart_from(n, scaled(dot(n, a), a))) < FLAT
-
-
-@kernel
 def lowest_on_rim(a: Vector, n: Vector) -> tuple[Vector, float]:
     """c, and |m|. Without any tilt, all of the rim is as low: c is any direction in the disc then."""
     m = apart_from(n, scaled(dot(n, a), a))
     m = apart_from(m, scaled(dot(m, a), a))
     size = norm(m)
-    if size > NO_TILT:
+    if size > LEVEL:
         return scaled(-1.0 / size, m), size
     x, y, z = abs(a[0]), abs(a[1]), abs(a[2])
     other = (1.0 if x <= y and x <= z else 0.0, 1.0 if y < x and y <= z else 0.0, 1.0 if z < x and z < y else 0.0)

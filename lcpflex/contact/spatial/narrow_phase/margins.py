@@ -1,0 +1,144 @@
+"""How far the foot of an entry is inside its features: what ends where a node slides off a facet or an edge.
+
+Detection owns places to a thickness, of the extent of a surface, that stands for rounding. Margins are measured as it
+does: distances from the sides of a facet, the ends of an edge and the planes beside edges and vertices, in extents of
+the surface; of two edges, how far from their ends they cross, in their lengths, and how far the normal is inside their
+wedges [rad]. They are 0 where detection finds the pair no more, to that thickness.
+"""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.contact.spatial.kinds import EDGE, FACET, PLANE
+from lcpflex.contact.spatial.narrow_phase.edges import END, TILT
+from lcpflex.contact.spatial.narrow_phase.facet import plane_of
+from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, rim_axis
+from lcpflex.contact.spatial.narrow_phase.sides import Frame, line_between, place_in, seen_from, world_place
+from lcpflex.contact.spatial.table import EDGE_EDGE, RIM_FACET, SpatialContactTable
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.kinematics.spatial.rotations import Vector
+from lcpflex.kinematics.spatial.vectors import apart_from, dot, norm, row_vector, scaled, turned, turned_back
+from lcpflex.model.spatial import SpatialModel
+
+__all__ = ["margin_on_i", "margin_on_j"]
+
+
+@kernel
+def surface_of(start: IntArray, f: int) -> int:
+    """Which surface has feature f."""
+    low, high = 0, len(start) - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if start[middle] <= f:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@kernel
+def in_facet(model: SpatialModel, q: FloatArray, frame: Frame, f: int, x: float, y: float) -> float:
+    """How far the foot x, y is from the nearest side of facet f [m]; hollow sides have no other side."""
+    point, beside = model.contacts.feature_point, model.contacts.feature_neighbour
+    plane = plane_of(model.points, q, frame, point[f, 0], point[f, 1], point[f, 2])
+    margin = math.inf
+    if beside[f, 0] < 0:
+        margin = (1.0 - x - y) * plane.area / norm(apart_from(plane.e2, plane.e1))
+    if beside[f, 1] < 0:
+        margin = min(margin, x * plane.area / norm(plane.e2))
+    if beside[f, 2] < 0:
+        margin = min(margin, y * plane.area / norm(plane.e1))
+    return margin
+
+
+@kernel
+def out_of_facet(model: SpatialModel, q: FloatArray, frame: Frame, f: int, facet: int) -> Vector:
+    """The unit vector in a facet, in the frame, that leads out of it across edge f."""
+    point = model.contacts.feature_point
+    a, b = point[f, 0], point[f, 1]
+    opposite = point[facet, 0]
+    for k in range(1, 3):
+        if opposite in (a, b):
+            opposite = point[facet, k]
+    start = place_in(model.points, q, frame, a)
+    e = apart_from(place_in(model.points, q, frame, b), start)
+    inward = apart_from(place_in(model.points, q, frame, opposite), start)
+    inward = apart_from(inward, scaled(dot(inward, e) / dot(e, e), e))
+    return scaled(-1.0 / norm(inward), inward)
+
+
+@kernel
+def in_wedge(model: SpatialModel, q: FloatArray, frame: Frame, f: int, y: Vector) -> float:
+    """How far y, in the frame, leads out of both facets beside edge f; infinite where there are none."""
+    margin = math.inf
+    for side in range(2):
+        facet = model.contacts.feature_neighbour[f, side]
+        if facet >= 0:
+            margin = min(margin, dot(y, out_of_facet(model, q, frame, f, facet)))
+    return margin
+
+
+@kernel
+def in_fan(model: SpatialModel, q: FloatArray, frame: Frame, f: int, place: Vector) -> float:
+    """How far a place is behind the planes through vertex f across its edges [m]; infinite of spheres."""
+    c = model.contacts
+    o = place_in(model.points, q, frame, c.feature_point[f, 0])
+    away = apart_from(place, o)
+    margin = math.inf
+    for k in range(c.fan_start[f], c.fan_start[f + 1]):
+        e = apart_from(place_in(model.points, q, frame, c.fan[k]), o)
+        margin = min(margin, -dot(away, e) / norm(e))
+    return margin
+
+
+@kernel
+def on_edge(model: SpatialModel, q: FloatArray, frame: Frame, f: int, s: float, place: Vector) -> float:
+    """How far a place with its foot at s is from the end of what belongs to edge f [m]."""
+    a = model.contacts.feature_point[f, 0]
+    e = line_between(model.points, q, frame, a, model.contacts.feature_point[f, 1])
+    y = apart_from(apart_from(place, place_in(model.points, q, frame, a)), scaled(s, e))
+    return min(min(s, 1.0 - s) * norm(e), in_wedge(model, q, frame, f, y))
+
+
+@kernel
+def crossed_within(model: SpatialModel, q: FloatArray, frame: Frame, f: int, s: float, n: Vector) -> float:
+    """How far inside edge f another one crosses it at s, n leading out of its body, world axes."""
+    margin = min(s, 1.0 - s) - END
+    return min(margin, in_wedge(model, q, frame, f, turned_back(frame.A, n)) + TILT)
+
+
+@kernel
+def margin_on_j(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: SpatialContactTable, k: int) -> float:
+    """How far the foot of entry k is inside the feature of body j."""
+    c = model.contacts
+    f = table.key[k] % len(c.feature_kind)
+    if table.kind[k] == EDGE_EDGE:
+        return crossed_within(model, q, j, f, table.foot[k, 1], row_vector(table.normal, k))
+    kind = c.feature_kind[f]
+    if kind == PLANE:
+        return math.inf
+    extent = c.surface_extent[surface_of(c.feature_start, f)]
+    if kind == FACET:
+        return in_facet(model, q, j, f, table.foot[k, 0], table.foot[k, 1]) / extent
+    place = seen_from(j, world_place(i, place_in(model.points, q, i, table.point[k, 0])))
+    if kind == EDGE:
+        return on_edge(model, q, j, f, table.foot[k, 0], place) / extent
+    return in_fan(model, q, j, f, place) / extent
+
+
+@kernel
+def margin_on_i(model: SpatialModel, q: FloatArray, i: Frame, table: SpatialContactTable, k: int) -> float:
+    """How far the contact of entry k is inside what touches of body i."""
+    c = model.contacts
+    touching = table.key[k] // len(c.feature_kind)
+    n = row_vector(table.normal, k)
+    if table.kind[k] == EDGE_EDGE:
+        return crossed_within(model, q, i, touching - len(c.node_point), table.foot[k, 0], scaled(-1.0, n))
+    if table.kind[k] == RIM_FACET:
+        _, tilt = lowest_on_rim(rim_axis(model.points, q, i, table.point[k, 0], table.point[k, 1]), n)
+        return tilt - FLAT
+    m = row_vector(c.node_normal, touching)
+    if dot(m, m) == 0.0:
+        return math.inf
+    return -dot(turned(i.A, m), n)
