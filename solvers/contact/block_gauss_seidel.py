@@ -1,4 +1,4 @@
-"""Nonsmooth Gauss-Seidel iteration for planar Coulomb friction, contact by contact.
+"""Nonsmooth Gauss-Seidel iteration for Coulomb friction, contact by contact: planar here, in space in :mod:`.cones`.
 
 The law of one contact, with the forces of all others held, is a problem in two unknowns,
 
@@ -13,6 +13,7 @@ Sources: Jean 1999 (nonsmooth contact dynamics); Jourdan, Alart & Jean 1998.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -23,29 +24,21 @@ import scipy.sparse.linalg
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess, posed
-from lcpflex.solvers.clock import grown, remaining
+from lcpflex.solvers.clock import grown
 from lcpflex.solvers.contact.active_set import free_forces, in_cones, on_active_set, own_blocks
+from lcpflex.solvers.contact.looks import SWEPT, by_looks
 from lcpflex.solvers.contact.problem import ContactProblem, aligned
-from lcpflex.solvers.contact.sweeps import (
-    FIRST_LOOK,
-    LAST_DIGIT,
-    RUNAWAY,
-    block_gauss_seidel,
-    sweep_blocks,
-    sweep_delassus,
-    sweep_factor,
-)
+from lcpflex.solvers.contact.sweeps import block_gauss_seidel, sweep_blocks, sweep_delassus, sweep_factor
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.lcp.lemke import lemke_workspace
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept, restored
-from lcpflex.solvers.refusals import no_cones
+from lcpflex.solvers.refusals import has_cones
 from lcpflex.solvers.status import ITERATION_LIMIT, Status
 
-__all__ = ["BlockGaussSeidel"]
+__all__ = ["SWEPT", "BlockGaussSeidel"]
 
 PIVOTING = 900  # unknowns up to which the attempt is made with dense matrices
-SWEPT = "block Gauss-Seidel"
 FINISHED = ", finished on its active set"
 FAR = 1e3  # residual of a guess from which to start would only be to carry its rounding along
 
@@ -90,9 +83,15 @@ class _Iteration:
             return sweep_blocks(*rows, *common, self.forces, self.states, sweeps, target)
         return sweep_factor(*self.rows, self.block, *common, self.u, self.forces, self.states, sweeps, target)
 
-    def point(self) -> FloatArray:
-        """z of the three-unknown form."""
-        return self.problem.unknowns(*np.split(self.forces, [len(self.problem.friction)]))
+    @property
+    def start(self) -> FloatArray:
+        """What is kept if no other point is better."""
+        return np.zeros(self.problem.size)
+
+    def points(self) -> Iterator[tuple[FloatArray, str]]:
+        """z of the three-unknown form, and the same from the active set, each with what the route says of it."""
+        yield self.problem.unknowns(*np.split(self.forces, [len(self.problem.friction)])), ""
+        yield self.corrected(), FINISHED
 
     def corrected(self) -> FloatArray:
         """z from the equations of the states, v_N = 0 where pressed and v_T = 0 where sticking; the shortest change."""
@@ -113,8 +112,9 @@ class _Iteration:
 class BlockGaussSeidel:
     """Gauss-Seidel iteration contact by contact, for many contacts with friction.
 
-    tolerance: largest accepted residual [-]; sweep_limit: largest number of sweeps. Takes a :class:`ContactProblem`,
-    with the Delassus matrix or only its factor, and an :class:`Lcp` that is symmetric, as contact without friction.
+    tolerance: largest accepted residual [-]; sweep_limit: largest number of sweeps. Takes a :class:`ContactProblem` or
+    :class:`SpatialContactProblem`, with the Delassus matrix or only its factor, and an :class:`Lcp` that is symmetric,
+    as contact without friction.
     Raises ModelError for numbers out of their range and for other problems. Converges in practice, without a guarantee.
     """
 
@@ -126,10 +126,9 @@ class BlockGaussSeidel:
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem; empty if it can."""
-        if reason := no_cones(self, problem):
-            return reason
         if (
             isinstance(problem, ContactProblem)
+            or has_cones(problem)
             or (problem if isinstance(problem, Lcp) else posed(problem).lcp()).symmetric
         ):
             return ""
@@ -141,9 +140,14 @@ class BlockGaussSeidel:
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """Iterate, from the forces of the guess if there is one (matched by contact).
 
-        problem: a :class:`ContactProblem`. guess: the solution of a similar problem to start from, or None.
+        problem: a :class:`ContactProblem`, in space a :class:`SpatialContactProblem`. guess: the solution of a similar
+        problem to start from, or None.
         """
         check_guess(guess)
+        if has_cones(problem):
+            from lcpflex.solvers.contact.cones.gauss_seidel import sweep_to_solution
+
+            return sweep_to_solution(problem, guess, self.tolerance, self.sweep_limit)  # type: ignore[arg-type]
         if isinstance(problem, Lcp):
             if reason := self.refuses(problem):
                 raise ModelError(reason)
@@ -163,7 +167,7 @@ class BlockGaussSeidel:
     def _iterate(self, run: _Iteration) -> Solution:
         """Compiled where the whole problem is known as an LCP of moderate size, else look by look."""
         if run.lcp is None:
-            return guarded(SWEPT, run.problem, self.tolerance, lambda: self._by_looks(run))
+            return guarded(SWEPT, run.problem, self.tolerance, lambda: by_looks(run, self.tolerance, self.sweep_limit))
         lcp = run.lcp
         return guarded(SWEPT, lcp, self.tolerance, lambda: self._compiled(run, lcp))
 
@@ -193,33 +197,3 @@ class BlockGaussSeidel:
         return accept(
             lcp, z, tolerance=self.tolerance, status=status, iterations=sweeps, route=route, active=active
         )  # fmt: skip
-
-    def _by_looks(self, run: _Iteration) -> Solution:
-        """Sweep, look, try to finish; each time after twice as many sweeps."""
-        load = float(np.abs(run.problem.free).max(initial=0.0))
-        target, look, sweeps = 0.1 * self.tolerance * load, FIRST_LOOK, 0
-        best, least = np.zeros(run.problem.size), run.problem.residual(np.zeros(run.problem.size))
-        route, status = SWEPT, Status.ITERATION_LIMIT
-        while least > self.tolerance and sweeps < self.sweep_limit:
-            if remaining() <= 0.0:
-                status = Status.TIME_LIMIT
-                break
-            made, change = run.sweep(min(look, self.sweep_limit) - sweeps, target)
-            sweeps, look = sweeps + made, 2 * look
-            if not change < RUNAWAY * load:
-                status = Status.NUMERICAL_FAILURE
-                break
-            for corrected in (False, True):
-                z = run.corrected() if corrected else run.point()
-                residual = run.problem.residual(z)
-                if residual < least:
-                    best, least = z, residual
-                if least <= self.tolerance:
-                    route += FINISHED * corrected
-                    break
-            if change <= target:
-                target *= 0.1
-                if target < LAST_DIGIT * load:
-                    status = Status.NUMERICAL_FAILURE
-                    break
-        return accept(run.problem, best, tolerance=self.tolerance, status=status, iterations=sweeps, route=route)

@@ -149,8 +149,10 @@ class SpatialContactProblem:
 
     @property
     def unknown_units(self) -> Units:
-        """The units of the forces, three for each contact."""
-        return Units.of(np.repeat(self.units, 3), self.free)
+        """The units of the forces, three for each contact; the load is that of the free velocities in them."""
+        d = np.repeat(self.units, 3)
+        with np.errstate(all="ignore"):
+            return Units.of(d, self.free * d)
 
     def balanced(self) -> SpatialContactProblem:
         """The same contacts, each measured by its own diagonal: what comes out does not depend on units.

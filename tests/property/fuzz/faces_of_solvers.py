@@ -95,6 +95,11 @@ def solver_faces() -> list[Face]:
             solvers.cross_check,
             lambda: {"problem": lcp(), "solvers": {"Lemke": solvers.Lemke()}, "repeats": 1},
         ),
+        Face(
+            "contact_solutions",
+            solvers.contact_solutions,
+            lambda: {"delassus": np.eye(3), "free": [-1.0, 0.0, 0.1], "friction": 0.3},
+        ),
         Face("all_solvers", solvers.all_solvers, dict),
         Face("save_problems", solvers.save_problems, lambda: {"path": "problems.npz", "problems": [lcp()]}),
         *(Face(name, getattr(solvers, name), lambda: {"path": "unused"}) for name in LOADERS),
@@ -113,6 +118,7 @@ def solver_faces() -> list[Face]:
         ),
     ]
     for name in (
+        "AlartCurnier",
         "Auto",
         "BlockGaussSeidel",
         "ConicFixedPoint",
@@ -126,7 +132,8 @@ def solver_faces() -> list[Face]:
         "QuadraticProgram",
     ):
         kind = getattr(solvers, name)
-        problem = {"ConvexFriction": contact, "ConicFixedPoint": _in_space, "FacetedCone": _in_space}.get(name, lcp)
+        spatial = dict.fromkeys(("AlartCurnier", "ConicFixedPoint", "FacetedCone"), _in_space)
+        problem = {"ConvexFriction": contact, **spatial}.get(name, lcp)
         out += [
             Face(name, kind, dict),
             Face(f"{name}.solve", kind.solve, lambda problem=problem: {"problem": problem()}, kind),

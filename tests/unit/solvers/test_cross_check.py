@@ -333,7 +333,7 @@ class TestCommand:
         [
             (["--index", "2"], "holds 2 problems"),
             (["--index", "-1"], "holds 2 problems"),
-            (["--solver", "Simplex"], "no solver 'Simplex'; expected one of Auto"),
+            (["--solver", "Simplex"], "no solver 'Simplex'; expected one of AlartCurnier, Auto"),
             (["--repeats", "0"], "repeats is 0"),
             (["--plot", "/no/such/folder/x.png"], "folder"),
         ],

@@ -1,0 +1,144 @@
+"""Newton's method for friction in space, begun by sweeps and rescued by proximal points.
+
+Sources: Alart & Curnier 1991; Bonnefon & Daviet 2011; Rockafellar 1976; Acary, Bremond & Huber 2018.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.arguments import check_guess
+from lcpflex.solvers.clock import grown, out_of_time
+from lcpflex.solvers.contact.cones.runs import COMPILED, ConeRun, own_units, start_of
+from lcpflex.solvers.contact.looks import SWEPT
+from lcpflex.solvers.contact.spatial import SpatialContactProblem
+from lcpflex.solvers.guard import guarded
+from lcpflex.solvers.limits import keep_settings
+from lcpflex.solvers.problem import Solution, Status, accept
+from lcpflex.solvers.refusals import only_cones
+
+__all__ = ["AlartCurnier"]
+
+NEWTON = "Alart-Curnier Newton"
+RESCUED = "proximal points"
+STAGES = ((30, 20), (200, 40), (1000, 60))  # sweeps, and how many Newton steps are tried then
+CLOSE = 1e-2  # change of a sweep relative to the tolerance at which sweeps end
+MARGIN = 0.1  # of the tolerance, for proximal points: what is judged is rounded once more
+
+
+@dataclass(frozen=True, slots=True)
+class AlartCurnier:
+    """Newton's method on Alart and Curnier's function, for contacts with friction in space.
+
+    Begins with some sweeps of block Gauss-Seidel; more of them, and then proximal points, follow where Newton's method
+    stalls, as it does where bodies rest on many contacts. Dense operators of up to 64 contacts are solved in compiled
+    code, others by sparse factors.
+
+    Attributes
+    ----------
+    tolerance
+        Largest accepted residual [-].
+    step_limit
+        Largest number of linear systems solved, proximal points included.
+
+    Raises
+    ------
+    ModelError
+        For numbers out of their range and, in :meth:`solve`, for anything but a :class:`SpatialContactProblem`.
+    """
+
+    tolerance: float = 1e-10
+    step_limit: int = 5000
+
+    def __post_init__(self) -> None:
+        keep_settings(self, "step_limit", needed=True)
+
+    def refuses(self, problem: Any) -> str:
+        """Why the solver cannot take the problem; empty if it can."""
+        if reason := only_cones(self, problem):
+            return reason
+        if problem.matrix() is None:
+            return (
+                "AlartCurnier needs the Delassus operator, which is too large here to be multiplied out of its factor: "
+                "expected fewer contacts a body, or BlockGaussSeidel() as the solver"
+            )
+        return ""
+
+    def solve(self, problem: SpatialContactProblem, guess: Solution | None = None) -> Solution:
+        """The certified solution, or the best point found with its status.
+
+        problem: contacts in space. guess: the solution of a similar problem to start from, matched by contact, or None.
+        """
+        check_guess(guess)
+        if reason := self.refuses(problem):
+            raise ModelError(reason)
+        alike, start = problem.balanced(), start_of(problem, guess)
+        found = guarded(NEWTON, alike, self.tolerance, lambda: self._solved(alike, start))
+        return own_units(problem, found, self.tolerance)
+
+    def _solved(self, problem: SpatialContactProblem, start: FloatArray) -> Solution:
+        def attempt(limit: int) -> _Attempt:
+            one = _Attempt(problem, start, self.tolerance, limit)
+            one.go()
+            return one
+
+        if len(problem.friction) <= COMPILED:  # kernels cannot look at a clock
+            cost = int(problem.size**1.5)  # a step is that of a dense factor
+            one, cut = grown(attempt, self.step_limit, cost, lambda one: one.residual > self.tolerance)
+        else:
+            one, cut = attempt(self.step_limit), out_of_time()
+        status = Status.TIME_LIMIT if cut else Status.ITERATION_LIMIT if one.limited else Status.NUMERICAL_FAILURE
+        return accept(
+            problem, one.best, tolerance=self.tolerance, status=status, iterations=one.sweeps + one.steps,
+            route=one.route,
+        )  # fmt: skip
+
+
+class _Attempt:
+    """Sweeps and Newton's method by turns, then proximal points; ``best`` is the best point so far."""
+
+    def __init__(self, problem: SpatialContactProblem, start: FloatArray, tolerance: float, limit: int) -> None:
+        self.run = ConeRun(problem, start)
+        self.problem, self.tolerance, self.limit = problem, tolerance, limit
+        self.best, self.residual = start.copy(), problem.residual(start)
+        self.sweeps = self.steps = 0
+        self.route = "guess" if start.any() else "no forces"
+
+    @property
+    def limited(self) -> bool:
+        """Whether the limit of linear systems was reached."""
+        return self.steps >= self.limit
+
+    def go(self) -> None:
+        """Until the residual is within the tolerance, the limit is reached, or nothing helps."""
+        for sweeps, steps in STAGES:
+            if self._done():
+                return
+            self._sweep(sweeps)
+            if self._done():
+                return
+            forces = self.run.forces.copy()
+            self.steps += self.run.newton(forces, min(steps, self.limit - self.steps))
+            self._look(forces, f"{SWEPT}, {NEWTON}")
+        if not self._done():
+            forces = self.best.copy()
+            self.steps += self.run.proximal(forces, MARGIN * self.tolerance, self.limit - self.steps)
+            self._look(forces, f"{SWEPT}, {NEWTON}, {RESCUED}")
+
+    def _done(self) -> bool:
+        return self.residual <= self.tolerance or self.limited or out_of_time()
+
+    def _sweep(self, sweeps: int) -> None:
+        made, _ = self.run.sweep(sweeps, CLOSE * self.tolerance)
+        self.sweeps += made
+        self._look(self.run.forces, SWEPT)
+
+    def _look(self, forces: FloatArray, route: str) -> None:
+        """Keep the forces if they are better than all before; the route is told as far as it went."""
+        residual = self.problem.residual(forces)
+        self.route = route
+        if residual < self.residual:
+            self.best, self.residual = forces.copy(), residual
