@@ -23,10 +23,12 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, check_solver, posed
 from lcpflex.solvers.clock import check_time_limit, expired, out_of_time, within
 from lcpflex.solvers.contact.block_gauss_seidel import SWEPT, BlockGaussSeidel
+from lcpflex.solvers.contact.cones.chain import solved_in_cones
 from lcpflex.solvers.contact.lcp_forms import from_copositive
 from lcpflex.solvers.contact.many import FACTORS, Search
 from lcpflex.solvers.contact.parts import solved_by_parts
 from lcpflex.solvers.contact.problem import ContactProblem, aligned
+from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.guard import ENDED, FAILED, guarded, joined
 from lcpflex.solvers.lcp.enumeration import LARGEST, Enumeration
 from lcpflex.solvers.lcp.farkas import candidate
@@ -118,7 +120,7 @@ class Auto:
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem, as those with cones; empty for all that are an LCP."""
-        return no_cones(self, problem)
+        return "" if isinstance(problem, SpatialContactProblem) else no_cones(self, problem)
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """The certified solution, or the best point of the whole chain with the reason why it is none.
@@ -139,6 +141,8 @@ class Auto:
         check_guess(guess)
         if isinstance(problem, ContactProblem):
             return self._contact(problem, guess, trials)
+        if isinstance(problem, SpatialContactProblem):
+            return solved_in_cones(problem, guess, self.tolerance)
         if not isinstance(problem, Lcp):
             return posed(problem).solve_by(self, guess)
         first = self._first(problem, guess)

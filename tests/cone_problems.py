@@ -6,7 +6,7 @@ import numpy as np
 
 from lcpflex.solvers import SpatialContactProblem
 
-__all__ = ["planted", "puck"]
+__all__ = ["left_of_map", "planted", "puck"]
 
 
 def planted(rng, n, columns=None, largest=2.0):
@@ -42,3 +42,14 @@ def puck(velocity, mu=0.3, feet=4, height=0.0):
     rows = np.array(rows)
     factor = rows * np.sqrt([0.5, 0.5, 0.5, 200.0, 200.0, 100.0])
     return SpatialContactProblem(factor @ factor.T, rows @ np.array(velocity), np.full(feet, mu), factor=factor)
+
+
+def left_of_map(force, velocity, mu):
+    """Largest component of r - P_K(r - (u + mu |u_T| n)) of one contact."""
+    x = force - velocity
+    x[0] -= mu * np.linalg.norm(velocity[1:])
+    slip = np.linalg.norm(x[1:])
+    if slip > mu * x[0]:
+        normal = max((x[0] + mu * slip) / (1.0 + mu**2), 0.0)
+        x = np.array([normal, *(mu * normal * x[1:] / slip if slip else x[1:])])
+    return np.abs(force - x).max()

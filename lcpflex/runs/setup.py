@@ -166,6 +166,11 @@ def _check_solver(stepper: Stepper, system: System) -> None:
             f"solver: {shown(solver)} was given, expected one of Coulomb's law such as Auto(): "
             f"it solves another model ({other})"
         )
+    if getattr(solver, "only_cones", False) and not is_spatial(system.model):
+        raise ModelError(
+            f"solver: {shown(solver)} was given, expected one of planar contact such as Auto(): it takes contact in "
+            "space alone"
+        )
     if isinstance(solver, QuadraticProgram) and friction.size and friction.max() > 0.0:
         raise ModelError(
             f"solver: {shown(solver)} was given for contacts with friction (up to "

@@ -8,6 +8,7 @@ import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.contact.problem import ContactProblem
+from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.problem import Lcp, Status
 
 __all__ = ["Example", "planted"]
@@ -18,15 +19,16 @@ class Example:
     """A problem whose answer is known, at least in part.
 
     kind: "symmetric" (M symmetric and positive semidefinite), "semidefinite" (positive semidefinite, not symmetric),
-    "friction" (Coulomb contact), "P" (all principal minors of M positive) or "general".
+    "friction" (planar Coulomb contact), "cone" (Coulomb contact in space), "P" (all principal minors of M positive) or
+    "general".
     outcome: SOLVED and NOT_UNIQUE if a solution exists, INFEASIBLE or NO_SOLUTION if none does; None if unknown.
-    z (n,): a solution, of ``problem.lcp()`` for a contact problem. unique: what all solutions share with it: "z",
-    "motion" (w, or the contact velocities of a contact problem) or "" (nothing that is known).
+    z (n,): a solution, of ``problem.lcp()`` for a planar contact problem. unique: what all solutions share with it:
+    "z", "motion" (w, or the contact velocities of a contact problem) or "" (nothing that is known).
     certificate (n,): u >= 0 with M^T u <= 0 and q.u < 0 where the outcome is INFEASIBLE.
     """
 
     name: str
-    problem: Lcp | ContactProblem
+    problem: Lcp | ContactProblem | SpatialContactProblem
     kind: str
     outcome: Status | None
     z: FloatArray | None = None

@@ -10,7 +10,7 @@ import scipy.sparse
 
 from lcpflex.basics.arguments import numbers
 from lcpflex.errors import ModelError, shown
-from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arrays import as_array, check_finite, finite_array
 
 __all__ = [
@@ -22,6 +22,7 @@ __all__ = [
     "in_units_of",
     "is_sparse",
     "keys_of",
+    "of_rows",
     "read_delassus",
     "read_factor",
     "shown_only",
@@ -79,6 +80,17 @@ def in_units_of(delassus: Any, factor: Any, d: FloatArray) -> tuple[Any, Any]:
         delassus = scipy.sparse.diags_array(d) @ delassus @ scipy.sparse.diags_array(d)
     elif delassus is not None:
         delassus = delassus * np.outer(d, d)
+    return delassus, factor
+
+
+def of_rows(delassus: Any, factor: Any, rows: IntArray) -> tuple[Any, Any]:
+    """A Delassus operator and its factor of some rows alone, the factor without columns of zeros; None stays None."""
+    if delassus is not None:
+        delassus = delassus[rows][:, rows] if is_sparse(delassus) else delassus[np.ix_(rows, rows)]
+    if factor is not None:
+        factor = factor[rows]
+        moved = np.unique(factor.indices) if is_sparse(factor) else np.flatnonzero(factor.any(axis=0))
+        factor = factor[:, moved]
     return delassus, factor
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import replace
 from typing import Any
 
@@ -12,16 +12,16 @@ import scipy.sparse
 import scipy.sparse.csgraph
 
 from lcpflex.errors import shown
-from lcpflex.jit.kernel import IntArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.contact.coupling import grouped
-from lcpflex.solvers.contact.matrices import is_sparse
+from lcpflex.solvers.contact.matrices import of_rows
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.guard import joined
 from lcpflex.solvers.lcp.proofs import Proof, proves
-from lcpflex.solvers.problem import PROVED, Solution, Status, accept
+from lcpflex.solvers.problem import PROVED, Problem, Solution, Status, accept
 
-__all__ = ["part_of", "parts_of", "solved_by_parts", "unknowns_of"]
+__all__ = ["NOT", "part_of", "parts_of", "put_together", "solved_by_parts", "unknowns_of"]
 
 NOT = "not begun"  # route of a part for which no time was left
 WAYS = 6  # routes of parts that are told
@@ -49,13 +49,7 @@ def part_of(problem: ContactProblem, contacts: IntArray) -> ContactProblem:
     """
     tangent = np.searchsorted(problem.tangent, contacts[problem.friction[contacts] > 0.0])
     rows = np.concatenate([contacts, len(problem.friction) + tangent])
-    delassus, _, _, factor = problem.data
-    if delassus is not None:
-        delassus = delassus[rows][:, rows] if is_sparse(delassus) else delassus[np.ix_(rows, rows)]
-    if factor is not None:
-        factor = factor[rows]
-        moved = np.unique(factor.indices) if is_sparse(factor) else np.flatnonzero(factor.any(axis=0))
-        factor = factor[:, moved]
+    delassus, factor = of_rows(problem.data[0], problem.data[3], rows)
     keys = tuple(problem.keys[i] for i in contacts)
     return ContactProblem(delassus, problem.free[rows], problem.friction[contacts], keys, factor)
 
@@ -112,9 +106,28 @@ def _together(problem: ContactProblem, parts: list[IntArray], found: list[Soluti
             solutions[-1][place] = other
         if part.status in PROVED and proof is None:
             proof = _proof(problem, place, part)
+    active = _active(problem, places, found)
+    return put_together(problem, problem.keys, parts, found, z, tolerance, tuple(solutions), active, proof)
+
+
+def put_together(
+    problem: Problem,
+    keys: tuple[Hashable, ...],
+    parts: list[IntArray],
+    found: list[Solution],
+    z: FloatArray,
+    tolerance: float,
+    solutions: tuple[FloatArray, ...],
+    active: IntArray | None = None,
+    proof: Proof | None = None,
+) -> Solution:
+    """The point z of all parts, judged on the whole problem, with the failures of its parts.
+
+    keys: of the contacts. solutions, active, proof: as of :func:`lcpflex.solvers.accept`.
+    """
     unsolved = [k for k, part in enumerate(found) if not part.solved]
     worst = max(unsolved, key=lambda k: found[k].residual, default=0)
-    message = _words(problem, parts, found, unsolved, worst)
+    message = _words(keys, parts, found, unsolved, worst)
     told = accept(
         problem,
         z,
@@ -123,8 +136,8 @@ def _together(problem: ContactProblem, parts: list[IntArray], found: list[Soluti
         iterations=sum(part.iterations for part in found),
         route=_route(found),
         message=message,
-        active=_active(problem, places, found),
-        solutions=tuple(solutions),
+        active=active,
+        solutions=solutions,
         proof=proof,
     )
     if told.solved and unsolved:  # next to nothing acts on that part
@@ -160,11 +173,11 @@ def _route(found: list[Solution]) -> str:
 
 
 def _words(
-    problem: ContactProblem, parts: list[IntArray], found: list[Solution], unsolved: list[int], worst: int
+    keys: tuple[Hashable, ...], parts: list[IntArray], found: list[Solution], unsolved: list[int], worst: int
 ) -> str:
     """Which part is not solved, and why; of several the worst."""
     if not unsolved:
         return ""
     contacts, part = parts[worst], found[worst]
-    name = f"that of contact {shown(problem.keys[contacts[0]])} ({len(contacts)} contacts, {part.message[:200]})"
+    name = f"that of contact {shown(keys[contacts[0]])} ({len(contacts)} contacts, {part.message[:200]})"
     return f"{part.status.name.lower().replace('_', ' ')}: {len(unsolved)} of {len(parts)} parts not solved; {name}"

@@ -32,7 +32,7 @@ def judged(seed, count):
             problem = kind(**arguments)
             made.append(problem)
             if kind is solvers.SpatialContactProblem:
-                return problem.residual(np.zeros(problem.size))
+                problem.residual(np.zeros(problem.size))
             return solvers.Auto().solve(problem)
 
         end = ending_of(call, "")

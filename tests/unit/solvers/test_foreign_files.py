@@ -249,6 +249,26 @@ class TestFclib:
         assert np.array_equal(found.delassus, W6)
         assert np.array_equal(found.free, Q6)
 
+    def test_spatial_problems_however_they_are_kept(self, tmp_path):
+        """Sparse, by a factor, unsymmetric: read back it is the same operator, sparse beyond 200 rows."""
+        from lcpflex.solvers import load_fclib, save_fclib
+
+        k = 80
+        J = scipy.sparse.random_array((3 * k, 40), density=0.05, rng=np.random.default_rng(1), format="csr")
+        free, mu = np.linspace(-1.0, 1.0, 3 * k), np.linspace(0.0, 1.0, k)
+        twisted = scipy.sparse.csr_array(J @ J.T + scipy.sparse.eye_array(3 * k, k=1))
+        for problem in (
+            SpatialContactProblem(J @ J.T, free, mu),
+            SpatialContactProblem(None, free, mu, factor=J),
+            SpatialContactProblem(twisted, free, mu),
+            SpatialContactProblem((J @ J.T).toarray()[:9, :9], free[:9], mu[:3]),
+        ):
+            found = load_fclib(save_fclib(tmp_path / "x.hdf5", problem))
+            assert scipy.sparse.issparse(found.delassus) == (problem.size > 200)
+            np.testing.assert_array_equal(found.dense(), problem.dense())
+            np.testing.assert_array_equal(found.free, problem.free)
+            np.testing.assert_array_equal(found.friction, problem.friction)
+
     def _global(self, path, joints=True, **change):
         M, H, G = np.diag([2.0, 3.0, 1.0]), np.eye(3)[:, :2], np.array([[1.0], [-1.0], [0.0]])
         arrays = {"M": M, "H": H, **({"G": G} if joints else {})} | {k: v for k, v in change.items() if k in "MHG"}

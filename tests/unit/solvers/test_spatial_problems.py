@@ -10,7 +10,7 @@ import scipy.sparse
 from lcpflex import solvers
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, SpatialContactProblem, Status, UserSolver, accept
-from tests.cone_problems import planted
+from tests.cone_problems import left_of_map, planted
 
 STICKING = SpatialContactProblem(np.diag([2.0, 1.0, 1.0]), [-1.0, 0.1, 0.05], [0.3], ["foot"])
 PLANAR = [
@@ -31,13 +31,7 @@ def by_definition(problem, r):
         block = problem.dense()[3 * k : 3 * k + 3, 3 * k : 3 * k + 3]
         root = np.sqrt(np.diag(block).max())
         force, velocity = root * r[3 * k : 3 * k + 3], u[k] / root
-        x = force - velocity
-        x[0] -= mu * np.linalg.norm(velocity[1:])
-        slip = np.linalg.norm(x[1:])
-        if slip > mu * x[0]:
-            normal = max((x[0] + mu * slip) / (1.0 + mu**2), 0.0)
-            x = np.array([normal, *(mu * normal * x[1:] / slip if slip else x[1:])])
-        worst = max(worst, np.abs(force - x).max())
+        worst = max(worst, left_of_map(force, velocity, mu))
     return worst
 
 

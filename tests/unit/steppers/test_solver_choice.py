@@ -11,7 +11,7 @@ import pytest
 import lcpflex as lf
 from lcpflex.dynamics.workspace import NO_LIMIT, Workspace
 from lcpflex.gallery import scenes
-from lcpflex.solvers import ContactProblem, ConvexFriction, Lcp
+from lcpflex.solvers import ConicFixedPoint, ContactProblem, ConvexFriction, FacetedCone, Lcp
 from lcpflex.solvers.contact.compiled import solve_contacts
 from lcpflex.solvers.contact.index_sets import SLIDE_BACK, SLIDE_FORTH, SMOOTH, STICKING
 from lcpflex.solvers.contact.memory import SOLUTION_KNOWN
@@ -250,3 +250,10 @@ def test_a_solver_of_another_model_is_refused() -> None:
     case = scenes()["stack"]
     with pytest.raises(lf.ModelError, match="solves another model"):
         lf.simulate(case.build(), 0.1, replace(case.stepper, solver=ConvexFriction()))
+
+
+def test_a_solver_of_contact_in_space_is_refused_in_the_plane() -> None:
+    case = scenes()["stack"]
+    for solver, words in ((ConicFixedPoint(), "takes contact in space alone"), (FacetedCone(), "another model")):
+        with pytest.raises(lf.ModelError, match=words):
+            lf.simulate(case.build(), 0.1, replace(case.stepper, solver=solver))
