@@ -23,12 +23,10 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, check_solver, posed
 from lcpflex.solvers.clock import check_time_limit, expired, out_of_time, within
 from lcpflex.solvers.contact.block_gauss_seidel import SWEPT, BlockGaussSeidel
-from lcpflex.solvers.contact.cones.chain import solved_in_cones
 from lcpflex.solvers.contact.lcp_forms import from_copositive
 from lcpflex.solvers.contact.many import FACTORS, Search
 from lcpflex.solvers.contact.parts import solved_by_parts
 from lcpflex.solvers.contact.problem import ContactProblem, aligned
-from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.guard import ENDED, FAILED, guarded, joined
 from lcpflex.solvers.lcp.enumeration import LARGEST, Enumeration
 from lcpflex.solvers.lcp.farkas import candidate
@@ -41,7 +39,7 @@ from lcpflex.solvers.lcp.proofs import FULL, exact_solution
 from lcpflex.solvers.lcp.tableau import EXTRA
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import NEARLY, Lcp, LcpSolver, PosedProblem, Problem, Solution, accept, confirmed
-from lcpflex.solvers.refusals import no_cones
+from lcpflex.solvers.refusals import has_cones
 from lcpflex.solvers.status import SOLVED, Status
 
 __all__ = ["Auto", "auto", "auto_workspace", "solve_lcp"]
@@ -119,8 +117,8 @@ class Auto:
         object.__setattr__(self, "budget", check_time_limit("budget", self.budget))
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
-        """Why the solver cannot take the problem, as those with cones; empty for all that are an LCP."""
-        return "" if isinstance(problem, SpatialContactProblem) else no_cones(self, problem)
+        """Empty: it takes every problem."""
+        return ""
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """The certified solution, or the best point of the whole chain with the reason why it is none.
@@ -141,8 +139,10 @@ class Auto:
         check_guess(guess)
         if isinstance(problem, ContactProblem):
             return self._contact(problem, guess, trials)
-        if isinstance(problem, SpatialContactProblem):
-            return solved_in_cones(problem, guess, self.tolerance)
+        if has_cones(problem):
+            from lcpflex.solvers.contact.cones.chain import solved_in_cones  # the plane needs none of it
+
+            return solved_in_cones(problem, guess, self.tolerance)  # type: ignore[arg-type]
         if not isinstance(problem, Lcp):
             return posed(problem).solve_by(self, guess)
         first = self._first(problem, guess)

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -45,7 +44,6 @@ class FacetedContactProblem:
 
     contact: SpatialContactProblem
     directions: int = 8
-    cones: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         if not isinstance(self.contact, SpatialContactProblem):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -29,7 +28,6 @@ class RelaxedSpatialProblem:
     """
 
     contact: SpatialContactProblem
-    cones: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         if not isinstance(self.contact, SpatialContactProblem):
