@@ -6,7 +6,7 @@ Sources: Alart & Curnier 1991; Bonnefon & Daviet 2011; Rockafellar 1976; Acary, 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
@@ -52,6 +52,7 @@ class AlartCurnier:
 
     tolerance: float = 1e-10
     step_limit: int = 5000
+    only_cones: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         keep_settings(self, "step_limit", needed=True)

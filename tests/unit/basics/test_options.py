@@ -80,6 +80,7 @@ PLAIN: dict[str, Callable[[], Any]] = {
     "PrincipalPivoting": lambda: solvers.PrincipalPivoting(2.0**-20, 64),
     "MinMapNewton": lambda: solvers.MinMapNewton(2.0**-20, 64),
     "Enumeration": lambda: solvers.Enumeration(2.0**-20),
+    "AlartCurnier": lambda: solvers.AlartCurnier(2.0**-20, 64),
     "ConicFixedPoint": lambda: solvers.ConicFixedPoint(2.0**-20, 64),
     "FacetedCone": lambda: solvers.FacetedCone(16, 2.0**-20),
 }

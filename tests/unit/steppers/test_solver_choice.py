@@ -11,7 +11,7 @@ import pytest
 import lcpflex as lf
 from lcpflex.dynamics.workspace import NO_LIMIT, Workspace
 from lcpflex.gallery import scenes
-from lcpflex.solvers import ConicFixedPoint, ContactProblem, ConvexFriction, FacetedCone, Lcp
+from lcpflex.solvers import AlartCurnier, ConicFixedPoint, ContactProblem, ConvexFriction, FacetedCone, Lcp
 from lcpflex.solvers.contact.compiled import solve_contacts
 from lcpflex.solvers.contact.index_sets import SLIDE_BACK, SLIDE_FORTH, SMOOTH, STICKING
 from lcpflex.solvers.contact.memory import SOLUTION_KNOWN
@@ -254,6 +254,7 @@ def test_a_solver_of_another_model_is_refused() -> None:
 
 def test_a_solver_of_contact_in_space_is_refused_in_the_plane() -> None:
     case = scenes()["stack"]
-    for solver, words in ((ConicFixedPoint(), "takes contact in space alone"), (FacetedCone(), "another model")):
+    alone = "takes contact in space alone"
+    for solver, words in ((ConicFixedPoint(), alone), (AlartCurnier(), alone), (FacetedCone(), "another model")):
         with pytest.raises(lf.ModelError, match=words):
             lf.simulate(case.build(), 0.1, replace(case.stepper, solver=solver))
