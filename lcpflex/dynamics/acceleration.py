@@ -16,6 +16,7 @@ Sources: Pfeiffer & Glocker 1996; Glocker & Studer 2005.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -37,6 +38,7 @@ from lcpflex.dynamics.mechanics import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
 from lcpflex.model.arrays import Model
@@ -96,8 +98,12 @@ class ContactSets:
     n_stick: int  # contacts in H, of the island
 
 
-def contact_sets(capacity: int, dense: int | None = None) -> ContactSets:
+def contact_sets(capacity: int, dense: int | None = None, in_space: bool = False) -> Any:
     """Memory for ``capacity`` contacts, islands of up to ``dense`` ones: all by default."""
+    if in_space:
+        from lcpflex.dynamics.spatial.acceleration import spatial_contact_sets
+
+        return spatial_contact_sets(capacity, dense)
     room = capacity if dense is None else dense
     return allocate(ContactSets, {"contacts": capacity, "dense": room, "rows": 2 * room})
 
@@ -119,7 +125,7 @@ def lay_rows(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
     work.n_tangents = n_tangent
     for k in range(n):
         sets.tangent_of[k] = -1
-    for j in range(n_tangent):
+    for j in range(n_tangent - 1, -1, -1):  # in space two of each contact, and the first is told
         sets.tangent_of[work.tangent[j]] = j
 
 
@@ -143,6 +149,7 @@ def assemble(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
     lay_contacts(work)
 
 
+@in_space("lcpflex.dynamics.spatial.acceleration")
 @kernel
 def reduce_sets(work: Workspace, sets: ContactSets) -> int:
     """Columns [N with sliding friction, H] of the island posed last; returns the number of its contacts in H.
@@ -244,7 +251,7 @@ def shorten(sets: ContactSets, rank: int, m: int) -> None:
 
 
 @kernel
-def solve_consistent(sets: ContactSets, m: int) -> None:
+def solve_consistent(sets: Any, m: int) -> None:
     """solution = -reduced^-1 right, the shortest one (scaled to a unit diagonal) where rows are dependent."""
     a = sets.reduced
     b = sets.right
@@ -267,6 +274,7 @@ def solve_consistent(sets: ContactSets, m: int) -> None:
         sets.solution[i] = b[k] * sets.scale[i]
 
 
+@in_space("lcpflex.dynamics.spatial.acceleration")
 @kernel
 def solve_sets(work: Workspace, sets: ContactSets, level: int) -> None:
     """Forces or impulses ``work.p`` of all rows with the sets as they are, island by island."""

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from lcpflex.jit.kernel import IntArray
 from lcpflex.model import planar, spatial
 
-__all__ = ["PLANE", "SPACE", "Dimension", "dimension", "is_spatial", "place_offsets"]
+__all__ = ["PLANE", "SPACE", "Dimension", "dimension", "is_spatial", "place_offsets", "sums_of_contacts"]
 
 
 class Dimension(NamedTuple):
@@ -36,3 +36,8 @@ def place_offsets(bodies: Any) -> IntArray:
     """(nb + 1,) offsets of the bodies into q."""
     offsets: IntArray = getattr(bodies, "place", bodies.dof)
     return offsets
+
+
+def sums_of_contacts(model: Any) -> int:
+    """What is summed up of a declared contact: its normal forces and its friction, in space as a vector."""
+    return 4 if is_spatial(model) else 2

@@ -145,10 +145,12 @@ def _check_space(stepper: Stepper, system: System) -> None:
     """Refuse what contacts in space are not offered with yet: it would run, and be wrong."""
     if not is_spatial(system.model) or not len(system.model.contacts.friction):
         return
-    if not isinstance(stepper, MoreauJean):
+    from lcpflex.steppers.event_driven.stepper import EventDriven
+
+    if not isinstance(stepper, MoreauJean | EventDriven):
         raise ModelError(
-            f"stepper: {shown(stepper)} was given for a SpatialScene with contacts, expected MoreauJean: the others "
-            "take contacts in the plane so far"
+            f"stepper: {shown(stepper)} was given for a SpatialScene with contacts, expected MoreauJean or "
+            "EventDriven: the others take contacts in the plane so far"
         )
     for name, law in zip(system.names, system.laws, strict=False):
         if law is not None:

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model.layout import PLANE, dimension, place_offsets
+from lcpflex.model.layout import PLANE, dimension, place_offsets, sums_of_contacts
 from lcpflex.steppers.system import System
 
 __all__ = ["Scales", "absolute_tolerance", "given_or", "scales_of", "usual_state"]
@@ -110,14 +110,16 @@ def usual_state(system: System, scales: Scales) -> FloatArray:
 
 
 def absolute_tolerance(given: float | None, rtol: float, system: System, scales: Scales, laws: int = -1) -> FloatArray:
-    """Absolute tolerance of the state and, with ``laws`` >= 0, of three works and of two impulses of each law.
+    """Absolute tolerance of the state and, with ``laws`` >= 0, of three works and of the impulses of each law.
 
     Given, it is the same for all. Else ``ABSOLUTE rtol`` times what is usual: see ``usual_state``, M V^2 and M V.
     """
     speed, mass = scales.speed, scales.mass
     usual = usual_state(system, scales)
     if laws >= 0:
-        usual = np.concatenate((usual, np.full(3, mass * speed**2), np.full(2 * laws, mass * speed)))
+        usual = np.concatenate(
+            (usual, np.full(3, mass * speed**2), np.full(sums_of_contacts(system.model) * laws, mass * speed))
+        )
     return np.full(len(usual), given) if given is not None else ABSOLUTE * (rtol or USUAL) * usual
 
 

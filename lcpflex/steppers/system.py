@@ -195,10 +195,8 @@ class System:
         # of contacts that give way, too, a depth is no penetration
         laws = self._by_law(self.is_compliant or self.soft)
         table = self._table(table_capacity, laws, ALL, self.pairs, TOUCHING * self.margin)
-        contacts: Any = self.model.contacts
-        if is_spatial(self.model):
-            put_array(table, "first", np.array(contacts.law_surface[:, 0]))
-            put_array(table, "owner", np.array(contacts.surface_body))
+        self.tell_surfaces(table)
+        contacts = self.model.contacts
         thickness = surface_thickness(contacts)
         return recorder(
             len(self.q),
@@ -215,6 +213,13 @@ class System:
             self.reactions(),
             rates(self.intervals),
         )
+
+    def tell_surfaces(self, table: ContactTable) -> None:
+        """Which surface of each contact is the first, and whose: in space a table that forces are summed up by."""
+        contacts: Any = self.model.contacts
+        if is_spatial(self.model):
+            put_array(table, "first", np.array(contacts.law_surface[:, 0]))
+            put_array(table, "owner", np.array(contacts.surface_body))
 
     def _capacity(self) -> int:
         """Instants that a recorder holds."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.dynamics.acceleration import lay_rows
+from lcpflex.dynamics.acceleration import ContactSets, lay_rows
 from lcpflex.dynamics.contact_problem import pose_island
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impact_laws import gives_back, impact_phases, integrates, reflects
@@ -17,6 +17,7 @@ from lcpflex.dynamics.islands import forget_islands, unfinished
 from lcpflex.dynamics.joint_reactions import note_impulses
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.event_driven.bounces import note_strike, too_low
 from lcpflex.steppers.event_driven.memory import (
@@ -45,6 +46,7 @@ TIE = 1e-6  # of the velocity: contacts that approach as equally as that are tol
 CHAIN = 1000  # impacts of single contacts at one instant, after which they are simultaneous and without restitution
 
 
+@in_space("lcpflex.steppers.spatial.strikes")
 @kernel
 def account(model: Model, work: Workspace, memory: EventMemory, recorder: Recorder, u: FloatArray) -> None:
     """Energy and impulses of the impact just solved, u after, ``memory.u`` before: p does p (w . u + w . u+) / 2."""
@@ -242,6 +244,15 @@ def simple(memory: EventMemory) -> bool:
     return memory.round > CHAIN or memory.stopping == 1 or memory.low == 1
 
 
+@in_space("lcpflex.steppers.spatial.strikes")
+@kernel
+def solve_strike(
+    work: Workspace, sets: ContactSets, t: float, tolerance: float, warm: bool, last: bool, recorder: Recorder
+) -> int:
+    """The problems of an impact that are not solved yet; returns as :func:`solve_islands`."""
+    return solve_islands(work, t, tolerance, warm, last, recorder)
+
+
 @kernel
 def collide(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, recorder: Recorder) -> int:
     """An impact; AGAIN, or RESOLVED: no closed contact approaches, those that leave are out of the table."""
@@ -279,7 +290,7 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
             for k in range(n):
                 work.free[work.n_joint + k] -= settings.velocity_threshold  # an approach assumed where there is none
     warm = last = n < 0  # literals would have it compiled once more
-    if solve_islands(work, memory.time, settings.tolerance, warm, last, recorder) != RunStatus.DONE:
+    if solve_strike(work, memory.sets, memory.time, settings.tolerance, warm, last, recorder) != RunStatus.DONE:
         memory.number = work.number
         return UNSOLVED
     answer_joints(work)

@@ -15,6 +15,7 @@ from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.joint_reactions import note_instant
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.configuration import normalise
 from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.steppers.event_driven.impacts import AGAIN, COUPLED, RESOLVED, UNSOLVED, collide
@@ -49,6 +50,33 @@ SAME_TIME = 1e-13  # relative: events so close count as one instant
 MOST_EVENTS = 200  # at one instant
 
 
+@in_space("lcpflex.steppers.spatial.sliding")
+@kernel
+def note_forces(
+    model: Model,
+    settings: EventSettings,
+    q: FloatArray,
+    u: FloatArray,
+    work: Workspace,
+    memory: EventMemory,
+    recorder: Recorder,
+) -> None:
+    """Add the touching points with the forces ``work.p`` to the instant about to be stored."""
+    n = work.n_contacts
+    for k in range(n):
+        r = work.n_joint + k
+        force_t = 0.0
+        state = STICK if memory.sets.mode[k] == STICKING else SLIP
+        if memory.sets.mode[k] != SMOOTH:
+            tangent = work.n_joint + n + memory.sets.tangent_of[k]
+            force_t = work.p[tangent]
+            slip = row_velocity(work.rows, work.row_body, tangent, work.dof, u)
+            if abs(slip) <= settings.slip_threshold:
+                state = STICK
+        place = contact_point(model, q, work.table, k)
+        note_contact(recorder, work.table.law[k], place, work.table.normal[k], work.p[r], force_t, state)
+
+
 @kernel
 def record(
     model: Model,
@@ -78,23 +106,13 @@ def record(
     recorder.counts.lost_damping = y[base + 1]
     recorder.counts.supplied = y[base + 2]
     row = recorder.n_instants
+    sums = recorder.total_impulse.shape[1]
     for law in range(len(recorder.total_impulse)):
-        recorder.total_impulse[law, 0] = y[base + 3 + 2 * law]
-        recorder.total_impulse[law, 1] = y[base + 4 + 2 * law]
+        for i in range(sums):
+            recorder.total_impulse[law, i] = y[base + 3 + sums * law + i]
         if recorder.gap[row, law] < 0.0 and is_penetration(recorder, law):
             recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -recorder.gap[row, law])
-    for k in range(n):
-        r = work.n_joint + k
-        force_t = 0.0
-        state = STICK if memory.sets.mode[k] == STICKING else SLIP
-        if memory.sets.mode[k] != SMOOTH:
-            tangent = work.n_joint + n + memory.sets.tangent_of[k]
-            force_t = work.p[tangent]
-            slip = row_velocity(work.rows, work.row_body, tangent, work.dof, u)
-            if abs(slip) <= settings.slip_threshold:
-                state = STICK
-        place = contact_point(model, q, work.table, k)
-        note_contact(recorder, work.table.law[k], place, work.table.normal[k], work.p[r], force_t, state)
+    note_forces(model, settings, q, u, work, memory, recorder)
     if work.compliant.n_contacts > 0:
         note_compliant(model, q, work.compliant, False, recorder)
     if work.n_joint > 0:
@@ -161,6 +179,7 @@ def close_step(model: Model, settings: EventSettings, memory: EventMemory) -> No
         memory.located += 1
 
 
+@in_space("lcpflex.steppers.spatial.sliding")
 @kernel
 def count_impulses(work: Workspace, memory: EventMemory) -> None:
     """Add the impulses of a projection of velocities: what drift, and approach below the threshold, have cost."""

@@ -1,7 +1,7 @@
 """Memory of an event-driven run: the state with its quadratures, the stages of a step, what is watched for events.
 
 The vector y holds q (nq numbers), u (ndof), then accumulated: energy lost to friction, to damping, work of loads and
-drives [J], and the normal and tangential impulse of each declared contact [N s].
+drives [J], and the normal and tangential impulse of each declared contact, in space the latter as a vector [N s].
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.dynamics.impact_laws import SEGMENTS
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.leaf import in_space
-from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.jit.struct import allocate, array, spatial, struct
 from lcpflex.kinematics.configuration import normalise
 from lcpflex.model.arrays import Model
+from lcpflex.model.layout import is_spatial, sums_of_contacts
 from lcpflex.solvers.contact.several_motions import Trials, trials
 from lcpflex.steppers.event_driven.root import Bracket
 from lcpflex.steppers.golden_section import Section
@@ -61,7 +62,7 @@ class EventSettings(NamedTuple):
 
 @struct
 class EventMemory:
-    """Work arrays for ``capacity`` contacts, ny = nq + ndof + 3 + 2 laws."""
+    """Work arrays for ``capacity`` contacts, ny = nq + ndof + 3 + 2 laws, in space 4 laws."""
 
     y: FloatArray = array("ny")  # state at the start of the step
     end: FloatArray = array("ny")  # at its end
@@ -140,6 +141,9 @@ class EventMemory:
     gentlest: float  # approach of the slowest impact since events were last counted anew [m/s]
 
 
+SpatialEventMemory = spatial(EventMemory)
+
+
 def event_memory(system: System, capacity: int, near: int, dense: int) -> EventMemory:
     """Allocate for ``system``, at its initial state.
 
@@ -147,12 +151,13 @@ def event_memory(system: System, capacity: int, near: int, dense: int) -> EventM
     """
     nq, ndof = len(system.q), len(system.u)
     laws = system.n_laws
-    ny = nq + ndof + 3 + 2 * laws
+    in_space = is_spatial(system.model)
+    ny = nq + ndof + 3 + sums_of_contacts(system.model) * laws
     memory = allocate(
-        EventMemory,
+        SpatialEventMemory if in_space else EventMemory,
         {"ny": ny, "ndof": ndof, "laws": laws, "contacts": capacity, "events": EVENT_CAPACITY + 3 * laws},
         trials=trials(),
-        sets=contact_sets(capacity, dense),
+        sets=contact_sets(capacity, dense, in_space),
         seen=system.table(capacity),
         near=system.table(near, touching=-math.inf),
         bracket=allocate(Bracket, {}),
@@ -160,6 +165,7 @@ def event_memory(system: System, capacity: int, near: int, dense: int) -> EventM
         taken=np.full(laws, -1, dtype=np.int64),
         nq=nq,
     )
+    system.tell_surfaces(memory.seen)
     memory.y[:nq] = system.q
     memory.y[nq : nq + ndof] = system.u
     return memory

@@ -9,7 +9,7 @@ import math
 
 from lcpflex.contact.narrow_phase.feature import foot_margin, node_margin
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
-from lcpflex.dynamics.acceleration import STICKING, assemble, fixed_forces, sliding_sign
+from lcpflex.dynamics.acceleration import STICKING, ContactSets, assemble, fixed_forces, sliding_sign
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.contact_forces import (
     add_impulses,
@@ -62,6 +62,19 @@ def add_compliant(contacts: CompliantContacts, u: FloatArray, base: int, out: Fl
     add_impulses(contacts, base + 3, out)
 
 
+@in_space("lcpflex.dynamics.spatial.acceleration")
+@kernel
+def find_slips(work: Workspace, sets: ContactSets, u: FloatArray) -> None:
+    """Directions of slip of the contacts that slide: in the plane the sets tell them."""
+
+
+@in_space("lcpflex.steppers.spatial.sliding")
+@kernel
+def turning_time(work: Workspace, memory: EventMemory, u: FloatArray) -> float:
+    """The longest step [s] in which no slip turns unseen: in the plane it changes its sign where it does."""
+    return math.inf
+
+
 @kernel
 def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventMemory, out: FloatArray) -> None:
     """out = dy/dt with the sets as they are; constraint forces are left in ``work.p``."""
@@ -71,6 +84,7 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventM
     u = y[nq:base]
     n = memory.n_contacts
     assemble(model, t, q, u, n, work, memory.sets)
+    find_slips(work, memory.sets, u)
     fixed_forces(work, memory.sets)
     for i in range(base, len(out)):
         out[i] = 0.0
@@ -84,6 +98,14 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventM
         if work.rate[r] != 0.0:
             out[base + 2] += work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
     add_compliant(work.compliant, u, base, out)
+    add_rates(work, memory, u, base, out)
+
+
+@in_space("lcpflex.steppers.spatial.sliding")
+@kernel
+def add_rates(work: Workspace, memory: EventMemory, u: FloatArray, base: int, out: FloatArray) -> None:
+    """Rates of what contact forces do and sum up to, after ``fixed_forces``."""
+    n_joint, n = work.n_joint, work.n_contacts
     for k in range(n):
         law = base + 3 + 2 * work.table.law[k]
         out[law] += work.p[n_joint + k]
@@ -94,12 +116,14 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventM
             out[base] -= work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
 
 
+@in_space("lcpflex.steppers.spatial.sliding")
 @kernel
 def used(memory: EventMemory) -> int:
     """Components of the state but for those of laws that no pair has got yet."""
     return memory.nq + len(memory.u) + 3 + 2 * memory.seen.pairs.n_laws
 
 
+@in_space("lcpflex.steppers.spatial.sliding")
 @kernel
 def watch(model: Model, work: Workspace, memory: EventMemory, y: FloatArray) -> None:
     """Watched functions of all maintained contacts, after ``slope`` at the same state."""
@@ -130,6 +154,7 @@ def watch(model: Model, work: Workspace, memory: EventMemory, y: FloatArray) -> 
                 memory.value[SLIDING, k] = sign * row_velocity(work.rows, work.row_body, r, work.dof, u)
 
 
+@in_space("lcpflex.steppers.spatial.sliding")
 @kernel
 def tolerance_of(settings: EventSettings, memory: EventMemory, kind: int) -> float:
     """How far below zero a watched function may be."""
@@ -211,6 +236,7 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
         reach = compliant_step(model, settings.margin, h, work, memory)
         longest = min(longest / SAMPLES, reach, unseen_step(model, settings.margin, memory))
     longest = min(settings.max_step, longest, longest_look(model.signals))
+    longest = min(longest, turning_time(work, memory, memory.y[nq:base]))
     left = REPEATS
     while True:
         h = min(h, longest)

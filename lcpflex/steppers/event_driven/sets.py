@@ -73,6 +73,7 @@ def law_states(work: Workspace, memory: EventMemory) -> None:
             memory.law_state[row, law] = SLIP if memory.sets.mode[k] != SLIDE_BACK else SLIP_BACK
 
 
+@in_space("lcpflex.steppers.spatial.sets")
 @kernel
 def sort_tangents(settings: EventSettings, n: int, work: Workspace, memory: EventMemory, u: FloatArray) -> None:
     """Sets H and G of n closed contacts, by their tangential velocities."""
@@ -88,6 +89,7 @@ def sort_tangents(settings: EventSettings, n: int, work: Workspace, memory: Even
                 memory.sets.mode[k] = SLIDE_FORTH if slip > 0.0 else SLIDE_BACK
 
 
+@in_space("lcpflex.steppers.spatial.sets")
 @kernel
 def read_sets(work: Workspace, memory: EventMemory) -> None:
     """What each contact of the island just solved does: ``tried``, ``fallback``, and whether it is ``kept``.
@@ -126,6 +128,7 @@ def read_sets(work: Workspace, memory: EventMemory) -> None:
         sets.fallback[k] = mode
 
 
+@in_space("lcpflex.steppers.spatial.sets")
 @kernel
 def keep_sets(n: int, work: Workspace, memory: EventMemory) -> None:
     """Leave those of n contacts in the table that are kept, with their modes."""
@@ -152,6 +155,7 @@ def rests(n: int, n_stick: int, r: int, work: Workspace, sets: ContactSets) -> b
     return abs(total) <= FORCE_TOLERANCE * size
 
 
+@in_space("lcpflex.steppers.spatial.sets")
 @kernel
 def fall_back(memory: EventMemory) -> None:
     """Return to the modes of the LCP unless all contacts set to stick for a try are well inside their laws."""
@@ -184,16 +188,24 @@ def note_paradox(settings: EventSettings, work: Workspace, memory: EventMemory) 
 @kernel
 def still_approach(settings: EventSettings, work: Workspace, u: FloatArray) -> bool:
     """Whether contacts about to be let go approach, slower than the threshold: they would close again and again."""
-    problem, normal = work.problem, work.solver.normal
+    p, part, n_joint = work.p, work.part, work.n_joint
+    n = work.problem.n_contacts
     largest = 0.0
-    for c in range(problem.n_contacts):
-        largest = max(largest, normal[c])
-    for c in range(problem.n_contacts):
-        if normal[c] <= CARRIES * largest:
-            v = row_velocity(work.rows, work.row_body, work.n_joint + work.part[c], work.dof, u)
+    for c in range(n):
+        largest = max(largest, p[n_joint + part[c]])
+    for c in range(n):
+        if p[n_joint + part[c]] <= CARRIES * largest:
+            v = row_velocity(work.rows, work.row_body, n_joint + part[c], work.dof, u)
             if v < -SLOWEST * settings.velocity_threshold:
                 return True
     return False
+
+
+@in_space("lcpflex.steppers.spatial.sets")
+@kernel
+def solve_on_sets(work: Workspace, sets: ContactSets, i: int, tolerance: float, warm: bool, recorder: Recorder) -> int:
+    """Forces of the contacts of island i to ``work.p``, on their sets; returns as :func:`solve_island`."""
+    return solve_island(work, i, tolerance, warm, recorder)
 
 
 @kernel
@@ -213,7 +225,7 @@ def choose(model: Model, settings: EventSettings, work: Workspace, memory: Event
         memory.several_now = 0
     warm = n < 0  # a literal would have it compiled once more
     while n > 0 and islands.next < islands.count:
-        status = solve_island(work, islands.next, settings.tolerance, warm, recorder)
+        status = solve_on_sets(work, memory.sets, islands.next, settings.tolerance, warm, recorder)
         if status != RunStatus.DONE:
             memory.number = work.number
             return UNSOLVED

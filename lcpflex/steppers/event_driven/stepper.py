@@ -10,17 +10,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
-from lcpflex.dynamics.impact_laws import KNOWN, ImpactLaw, Newton
+from lcpflex.dynamics.impact_laws import KNOWN, ImpactLaw, Newton, Stronge
 from lcpflex.dynamics.islands import forget_islands
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import IntArray
 from lcpflex.jit.struct import copy_parts, lengthen, numbers_of
-from lcpflex.model.layout import is_spatial
+from lcpflex.model.layout import is_spatial, sums_of_contacts
 from lcpflex.solvers.auto import Auto
+from lcpflex.solvers.contact.cones.mixed_problem import own_pulls
 from lcpflex.solvers.contact.posed import own_pull, posed_lcp, put_solution
 from lcpflex.solvers.lcp.enumeration import Enumeration
 from lcpflex.solvers.problem import LcpSolver, Status
@@ -40,7 +41,7 @@ from lcpflex.steppers.event_driven.memory import (
     event_memory,
 )
 from lcpflex.steppers.event_driven.remarks import event_remarks, shared_load
-from lcpflex.steppers.event_driven.thresholds import SLIP_PART, Thresholds
+from lcpflex.steppers.event_driven.thresholds import SLIP_PART, SPATIAL_SLIP_PART, Thresholds
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states
 from lcpflex.steppers.named import listed
 from lcpflex.steppers.options import keep_solver
@@ -66,6 +67,7 @@ class EventDrivenSteps:
         self.records = Records(system)
         self.duration = duration
         self._events: list[tuple[float, str, int, float]] = []
+        self._in_space = is_spatial(system.model)
         scales = scales_of(system, duration)
         slow = given_or(stepper.velocity_threshold, 1e-6 * scales.speed)
         settings = EventSettings(
@@ -81,7 +83,7 @@ class EventDrivenSteps:
             stepper.impact.sequential,
             WINDOW / scales.most_events(stepper.most_events),
             system.margin,
-            SLIP_PART * slow,
+            (SPATIAL_SLIP_PART if self._in_space else SLIP_PART) * slow,
             math.inf,
         )
         self._thresholds = Thresholds(settings)
@@ -135,7 +137,7 @@ class EventDrivenSteps:
         elif status == RunStatus.CALM:
             self._thresholds.fall()
         elif status == RunStatus.SOLVER_FAILED:
-            if not (self._rescue(self._work, self.clock.time) or self._jam()):
+            if not (self._rescued() or self._jam()):
                 return self._rescue.unsolved(self._work, int(self.clock.number), self._thresholds.settings.tolerance)
         elif status not in (RunStatus.TOO_OFTEN, RunStatus.CHATTER) or not self._calm():
             return self._sentence(status)
@@ -170,15 +172,25 @@ class EventDrivenSteps:
         memory.located = memory.too_many = memory.stuck = 0
         return True
 
+    def _rescued(self) -> bool:
+        """Whether another way has solved the problem; in space those on index sets have no other one."""
+        if self._in_space and (self.clock.phase == CHOOSING or self._work.shifted == 1):
+            return False
+        return self._rescue(self._work, self.clock.time)
+
     def _jam(self) -> bool:
         """Where the acceleration level has no solution: let an impact without collision follow, at most ten.
 
         A solution that the solver has missed is taken instead where all sets can be tried.
         """
         memory, work = self.clock, self._work
+        sets: Any = memory.sets
         if memory.phase != CHOOSING or memory.nudges >= MOST_JAMS:
             return False
-        if work.solver.size <= MOST_TRIED:  # is there really none?
+        if self._in_space:
+            self._proven &= work.problem.n_contacts == 1
+            pull = own_pulls(sets.problem)
+        elif work.solver.size <= MOST_TRIED:  # is there really none?
             solution = Enumeration().solve(posed_lcp(work.problem, work.solver))
             if solution.solved:
                 put_solution(work.problem, work.solver, solution)
@@ -186,10 +198,12 @@ class EventDrivenSteps:
             self._proven &= solution.status in (Status.NO_SOLUTION, Status.INFEASIBLE)
         else:
             self._proven = False
+        if not self._in_space:
+            pull = own_pull(work.problem)
         islands = work.islands
         first = islands.start[islands.next]
         # < 0: its own force pulls this contact in
-        memory.target = int(islands.contact[first + own_pull(work.problem).argmin()])
+        memory.target = int(islands.contact[first + pull.argmin()])
         forget_islands(islands)
         memory.nudges += 1
         memory.nudging = 1
@@ -236,11 +250,11 @@ class EventDrivenSteps:
         memory, old = self.clock, self.system.n_laws
         self.records.more_laws(memory, self._work)
         new = self.system.n_laws
-        length = len(memory.y)
-        lengthen(memory, "ny", length, length + 2 * (new - old))
+        length, sums = len(memory.y), sums_of_contacts(self.system.model)
+        lengthen(memory, "ny", length, length + sums * (new - old))
         lengthen(memory, "events", len(memory.events), EVENT_CAPACITY + 3 * new)
         memory.taken[old:] = -1
-        self._thresholds.more_laws(2 * (new - old))
+        self._thresholds.more_laws(sums * (new - old))
 
 
 # what of the memory goes on as it is where tables grow
@@ -271,7 +285,8 @@ class EventDriven:
         coordinate: rounding of places, which is more where bodies are farther from the origin than 150 such sizes.
     velocity_threshold
         Slower approach than this [m/s] is stopped instead of reflected (e_N = 0), which ends the infinitely many
-        impacts of a bouncing body; a thousandth of it is the slip below which a contact may stick. None: 1e-6 of the
+        impacts of a bouncing body; a thousandth of it, in space a hundredth, is the slip below which a contact may
+        stick. None: 1e-6 of the
         speed of the scene, the larger of sqrt(gravity size) / pi and the fastest initial speed of a body.
     impact
         :class:`Newton`, :class:`Poisson` or :class:`Stronge`: the meaning of the restitution of the contacts.
@@ -327,6 +342,11 @@ class EventDriven:
             raise ModelError(
                 f"impact: {self.impact} was given for a contact with tangential restitution {tangential.max():g}, "
                 "expected Newton(), the one law that knows it"
+            )
+        if is_spatial(system.model) and isinstance(self.impact, Stronge):
+            raise ModelError(
+                f"impact: {self.impact} was given for a spatial scene, expected Newton() or Poisson(): with two "
+                "tangents the slip turns while the impulse grows, which this law is not integrated for"
             )
         refuse_states(system)
         run = Run(EventDrivenSteps(system, self, duration, interval))

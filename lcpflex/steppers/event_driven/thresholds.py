@@ -16,9 +16,10 @@ from lcpflex.steppers.event_driven.memory import EVENT_KINDS, LIFT_OFF, REVERSES
 from lcpflex.steppers.event_driven.remarks import times
 from lcpflex.steppers.named import listed
 
-__all__ = ["SLIP_PART", "Thresholds"]
+__all__ = ["SLIP_PART", "SPATIAL_SLIP_PART", "Thresholds"]
 
 SLIP_PART = 1e-3  # of the velocity threshold: slower slip counts as none
+SPATIAL_SLIP_PART = 1e-2  # the same in space, where slip that ends has no change of sign to be found by
 RISE = 10.0  # of the velocity threshold at once
 SLIP_RISE = 100.0  # of the slip threshold
 WORTH = 1.5  # a smaller rise is none

@@ -6,6 +6,7 @@ from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, copy_parts, struct
+from lcpflex.model.layout import is_spatial
 from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.system import System
 
@@ -110,7 +111,7 @@ def alpha_scheme(system: System, capacity: int, **numbers: float) -> AlphaScheme
         start=allocate(EndForces, sizes),
         end=allocate(EndForces, sizes),
         mixing=allocate(Mixing, sizes),
-        sets=contact_sets(capacity, 0),
+        sets=contact_sets(capacity, 0, is_spatial(system.model)),
         resting=allocate(Held, sizes, table=system.held(capacity)),
         pressed=allocate(Held, sizes, table=system.held(capacity)),
         **numbers,

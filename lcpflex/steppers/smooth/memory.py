@@ -9,6 +9,7 @@ from lcpflex.force_laws.history import ContactMemory
 from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.model.layout import is_spatial
 from lcpflex.steppers.runge_kutta import STAGES
 from lcpflex.steppers.system import System
 
@@ -47,7 +48,9 @@ def smooth_memory(system: System, history: ContactMemory, laws: Sequence[LawRow]
     nq, base = len(system.q), len(system.q) + len(system.u)
     states = base + IMPULSES + 2 * len(laws)
     ny = states + (2 * len(history.feature) if any(law.bristles for law in laws) else 0)
-    memory = allocate(SmoothMemory, {"ny": ny}, sets=contact_sets(1), states=states, nq=nq)
+    memory = allocate(
+        SmoothMemory, {"ny": ny}, sets=contact_sets(1, in_space=is_spatial(system.model)), states=states, nq=nq
+    )
     memory.y[:nq] = system.q
     memory.y[nq:base] = system.u
     return memory

@@ -16,10 +16,10 @@ def ball_on_floor(law: lf.Penalty | None = None) -> lf.SpatialScene:
 
 @pytest.mark.parametrize(
     "stepper",
-    [lf.EventDriven(), lf.GeneralizedAlpha(step=1e-3), lf.MasslessBoundary(step=1e-3), lf.Smooth(lf.Penalty(1e5))],
-    ids=["event-driven", "generalised-alpha", "massless boundary", "smooth"],
+    [lf.GeneralizedAlpha(step=1e-3), lf.MasslessBoundary(step=1e-3), lf.Smooth(lf.Penalty(1e5))],
+    ids=["generalised-alpha", "massless boundary", "smooth"],
 )
-def test_steppers_whose_contacts_are_planar_are_refused(stepper: lf.EventDriven) -> None:
+def test_steppers_whose_contacts_are_planar_are_refused(stepper: lf.GeneralizedAlpha) -> None:
     with pytest.raises(lf.ModelError, match=rf"{type(stepper).__name__}.*SpatialScene.*expected MoreauJean"):
         lf.simulate(ball_on_floor(), 0.01, stepper, progress=False)
 

@@ -1,0 +1,264 @@
+"""Index sets of contacts in space, and their forces while the sets do not change.
+
+    M udot = h + J^T lambda_J + (W_N - mu W_T d) lambda_N + W_H lambda_H,    d = gamma / |gamma|
+
+A contact that slides has no tangential unknown: its friction points against its slip velocity gamma, a vector in the
+tangent plane, and is a part of its normal column. The right-hand side is smooth as long as |gamma| > 0. Where gamma is
+no more than the threshold below which slip counts as none, the direction is the one that is kept of each contact, as
+a world vector: that in which the problem of accelerations lets it begin to slide, or that of its last step.
+
+Contacts that stick are bilateral in both tangents. Where they share a load in many ways, their forces are those nearest
+to a reference: none at first, so that they are the shortest, and those of the problem of accelerations where the
+shortest ones break Coulomb's law, although others do not.
+"""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.dynamics.acceleration import FORCE, POSITION, VELOCITY, solve_consistent
+from lcpflex.dynamics.delassus import delassus, row_velocity
+from lcpflex.dynamics.impulse import answer_joints
+from lcpflex.dynamics.joint_response import condense
+from lcpflex.dynamics.spatial.inertia import SpatialWork
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.kinematics.spatial.rotations import Vector, cross
+from lcpflex.kinematics.spatial.vectors import dot, row_vector
+from lcpflex.solvers.contact.cones.mixed_problem import MixedProblem, mixed_problem
+from lcpflex.solvers.contact.index_sets import SLIDE_FORTH, SMOOTH, STICKING
+
+__all__ = [
+    "BEGINS",
+    "SLIDING",
+    "SLOW",
+    "SpatialContactSets",
+    "across",
+    "find_slips",
+    "keep_direction",
+    "pose_on_sets",
+    "put_force",
+    "reduce_sets",
+    "slip_of",
+    "solve_sets",
+    "spatial_contact_sets",
+    "spread",
+]
+
+SLIDING = SLIDE_FORTH  # along ``direction``
+FAST, SLOW, BEGINS = 0, 1, 2  # ContactSets.youth of a contact that slides
+
+
+@struct
+class SpatialContactSets:
+    """Index sets of the contacts in the table; dense: contacts that one island may have, rows: three times as many.
+
+    Fields that the plane has, too, mean the same.
+    """
+
+    mode: IntArray = array("contacts")  # SMOOTH, STICKING or SLIDING
+    tangent_of: IntArray = array("contacts")  # first tangential row of each contact, -1: frictionless
+    tried: IntArray = array("contacts")
+    kept: IntArray = array("contacts")
+    fallback: IntArray = array("contacts")
+    youth: IntArray = array("contacts")  # BEGINS: just now; SLOW: slower than the threshold since; else FAST
+    direction: FloatArray = array("contacts", 3)  # of slip, kept, world axes
+    along: FloatArray = array("contacts", 2)  # of slip at the present state, in the tangents
+    chosen: FloatArray = array("contacts", 4)  # normal force and friction (world) of the problem of accelerations
+    at: IntArray = array("dense")  # first tangential unknown of each contact of the island, -1: none
+    row_here: IntArray = array("dense")  # its first tangential row in the island's operator, -1: none
+    place: IntArray = array("rows")  # of each unknown in that operator
+    free: FloatArray = array("rows")  # right-hand side of that operator
+    reduced: FloatArray = array("rows", "rows")
+    right: FloatArray = array("rows")
+    solution: FloatArray = array("rows")
+    reference: FloatArray = array("rows")
+    scale: FloatArray = array("rows")
+    order: IntArray = array("rows")
+    problem: MixedProblem
+    level: int
+    n_stick: int
+    referred: int  # 1: forces are those nearest to ``chosen``
+    slow: float  # slower slip counts as none [m/s]
+
+
+def spatial_contact_sets(capacity: int, dense: int | None = None) -> SpatialContactSets:
+    """Memory for ``capacity`` contacts, islands of up to ``dense`` ones: all by default."""
+    room = capacity if dense is None else dense
+    sizes = {"contacts": capacity, "dense": room, "rows": 3 * room}
+    return allocate(SpatialContactSets, sizes, problem=mixed_problem(room))
+
+
+@kernel
+def across(work: SpatialWork, k: int) -> tuple[Vector, Vector]:
+    """Both tangents of entry k, world axes."""
+    first = row_vector(work.table.tangent, k)
+    return first, cross(row_vector(work.table.normal, k), first)
+
+
+@kernel
+def slip_of(work: SpatialWork, sets: SpatialContactSets, k: int, u: FloatArray) -> tuple[float, float]:
+    """gamma of a contact with friction, by the rows laid [m/s]."""
+    r = work.n_joint + work.n_contacts + sets.tangent_of[k]
+    first = row_velocity(work.rows, work.row_body, r, work.dof, u)
+    return first, row_velocity(work.rows, work.row_body, r + 1, work.dof, u)
+
+
+@kernel
+def keep_direction(work: SpatialWork, sets: SpatialContactSets, k: int, first: float, second: float) -> None:
+    """Keep the direction of first t1 + second t2, not 0, as that in which contact k slides."""
+    size = math.hypot(first, second)
+    t, s = across(work, k)
+    for i in range(3):
+        sets.direction[k, i] = (first * t[i] + second * s[i]) / size
+    sets.along[k, 0], sets.along[k, 1] = first / size, second / size
+
+
+@kernel
+def find_slips(work: SpatialWork, sets: SpatialContactSets, u: FloatArray) -> None:
+    """``along`` of the contacts that slide, by the rows laid and the velocity u."""
+    for k in range(work.n_contacts):
+        if sets.mode[k] != SLIDING:
+            continue
+        first, second = slip_of(work, sets, k, u)
+        size = math.hypot(first, second)
+        if not size > sets.slow:
+            t, s = across(work, k)
+            kept = row_vector(sets.direction, k)
+            first, second = dot(kept, t), dot(kept, s)
+            size = math.hypot(first, second)
+        if size > 0.0:
+            sets.along[k, 0], sets.along[k, 1] = first / size, second / size
+
+
+@kernel
+def pose_on_sets(work: SpatialWork, sets: SpatialContactSets, i: int) -> int:
+    """The operator of island i, joints condensed, to ``work.G``: its normal rows, then pairs of tangential ones."""
+    part, contact, n_joint = work.part, work.islands.contact, work.n_joint
+    problem, table = work.problem, work.table
+    first = work.islands.start[i]
+    n = work.islands.start[i + 1] - first
+    m = n
+    for c in range(n):
+        k = contact[first + c]
+        part[c] = k
+        problem.friction[c] = work.mu[k]
+        problem.key[c] = table.key[k]
+        problem.pair[c] = table.law[k]
+        j = sets.tangent_of[k]
+        sets.row_here[c] = m if j >= 0 else -1
+        if j >= 0:
+            part[m] = work.n_contacts + j
+            part[m + 1] = work.n_contacts + j + 1
+            m += 2
+    problem.n_contacts = n
+    problem.n_tangents = m - n
+    delassus(work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], part, m, work.G)
+    for r in range(m):
+        sets.free[r] = work.free[n_joint + part[r]]
+    if n_joint > 0:
+        condense(work, part, n_joint, m, work.G, sets.free)
+    for c in range(n):
+        work.own[part[c]] = work.G[c, c]
+        work.effect[part[c]] = sets.free[c]
+    return n
+
+
+@kernel
+def holds(sets: SpatialContactSets, k: int) -> bool:
+    """Whether contact k has tangential unknowns at the present level: what begins to slide is stopped before."""
+    if sets.level == POSITION:
+        return False
+    return sets.mode[k] == STICKING or (sets.level == VELOCITY and sets.mode[k] == SLIDING and sets.youth[k] == BEGINS)
+
+
+@kernel
+def reduce_sets(work: SpatialWork, sets: SpatialContactSets) -> int:
+    """Rows and columns [normals with sliding friction, pairs of those that stick] of the island posed last; how many.
+
+    Sliding friction counts at the level of forces only.
+    """
+    n, G, part, place = work.problem.n_contacts, work.G, work.part, sets.place
+    m = n
+    for c in range(n):
+        place[c] = c
+        sets.at[c] = -1
+        if sets.row_here[c] >= 0 and holds(sets, part[c]):
+            sets.at[c] = m
+            place[m], place[m + 1] = sets.row_here[c], sets.row_here[c] + 1
+            m += 2
+    for r in range(m):
+        i = place[r]
+        sets.right[r] = sets.free[i]
+        for s in range(m):
+            sets.reduced[r, s] = G[i, place[s]]
+        for c in range(n):
+            k = part[c]
+            if sets.level == FORCE and sets.mode[k] == SLIDING:
+                j = sets.row_here[c]
+                sets.reduced[r, c] -= work.mu[k] * (sets.along[k, 0] * G[i, j] + sets.along[k, 1] * G[i, j + 1])
+    sets.n_stick = (m - n) // 2
+    return m
+
+
+@kernel
+def refer(work: SpatialWork, sets: SpatialContactSets, m: int) -> None:
+    """The forces chosen to ``reference``, and what they leave to ``right``."""
+    for c in range(work.problem.n_contacts):
+        k, t = work.part[c], sets.at[c]
+        sets.reference[c] = sets.chosen[k, 0]
+        if t >= 0:
+            first, second = across(work, k)
+            friction = (sets.chosen[k, 1], sets.chosen[k, 2], sets.chosen[k, 3])
+            sets.reference[t], sets.reference[t + 1] = dot(friction, first), dot(friction, second)
+    for r in range(m):
+        for s in range(m):
+            sets.right[r] += sets.reduced[r, s] * sets.reference[s]
+
+
+@kernel
+def solve_sets(work: SpatialWork, sets: SpatialContactSets, level: int) -> None:
+    """Forces or impulses ``work.p`` of all rows with the sets as they are, island by island."""
+    sets.level = level
+    for i in range(work.islands.count):
+        pose_on_sets(work, sets, i)
+        m = reduce_sets(work, sets)
+        referred = level == FORCE and sets.referred == 1
+        if referred:
+            refer(work, sets, m)
+        solve_consistent(sets, m)
+        if referred:
+            for r in range(m):
+                sets.solution[r] += sets.reference[r]
+        spread(work, sets, sets.solution)
+    work.islands.next = work.islands.count
+    answer_joints(work)
+
+
+@kernel
+def spread(work: SpatialWork, sets: SpatialContactSets, x: FloatArray) -> None:
+    """Forces or impulses p of the contacts of the island posed last from the unknowns x of its reduced system."""
+    part, n_joint, p = work.part, work.n_joint, work.p
+    for c in range(work.problem.n_contacts):
+        k, j, t = part[c], sets.row_here[c], sets.at[c]
+        p[n_joint + k] = x[c]
+        if j < 0:
+            continue
+        r = n_joint + part[j]
+        p[r], p[r + 1] = 0.0, 0.0
+        if t >= 0:
+            p[r], p[r + 1] = x[t], x[t + 1]
+        elif sets.level == FORCE and sets.mode[k] == SLIDING:
+            p[r], p[r + 1] = -work.mu[k] * sets.along[k, 0] * x[c], -work.mu[k] * sets.along[k, 1] * x[c]
+
+
+@kernel
+def put_force(work: SpatialWork, sets: SpatialContactSets, k: int) -> None:
+    """The force of contact k in ``work.p`` to ``chosen``."""
+    sets.chosen[k, 0] = work.p[work.n_joint + k]
+    sets.chosen[k, 1], sets.chosen[k, 2], sets.chosen[k, 3] = 0.0, 0.0, 0.0
+    if sets.tangent_of[k] >= 0 and sets.mode[k] != SMOOTH:
+        r = work.n_joint + work.n_contacts + sets.tangent_of[k]
+        t, s = across(work, k)
+        for i in range(3):
+            sets.chosen[k, 1 + i] = work.p[r] * t[i] + work.p[r + 1] * s[i]

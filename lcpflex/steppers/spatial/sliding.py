@@ -1,0 +1,206 @@
+"""Contacts in space between two events: what the run sums up of them, what is watched, how long a step may be.
+
+A contact that slides is watched by its slip: |gamma| - v_s, v_s the threshold below which slip counts as none. |gamma|
+has no change of sign to be found by, so no step is longer than a part of |gamma| / |gammadot|: none passes over the
+place where it is least. A contact that has just begun to slide is slower than v_s at first. It is watched by
+d . gamma + 2 v_s, d the direction that it was to slide in, until it is faster than 2 v_s at the start of a step.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from lcpflex.contact.narrow_phase.feature import foot_margin, node_margin
+from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
+from lcpflex.contact.spatial.pairs import contact_point
+from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.dynamics.spatial.acceleration import BEGINS, FAST, SLIDING, SLOW, across, keep_direction, slip_of
+from lcpflex.dynamics.spatial.inertia import SpatialWork
+from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.spatial.rotations import Vector
+from lcpflex.kinematics.spatial.vectors import added, dot, row_vector, scaled
+from lcpflex.model.arrays import SLIP, STICK
+from lcpflex.solvers.contact.index_sets import SMOOTH, STICKING
+from lcpflex.steppers.event_driven.memory import CONE, PRESSURE, SLIDING as SLIDES, SPAN, EventSettings
+from lcpflex.steppers.event_driven.segment import FORCE_TOLERANCE
+from lcpflex.steppers.recorder import Recorder
+from lcpflex.steppers.spatial.records import note_spatial_contact, side_of
+
+__all__ = [
+    "add_rates",
+    "count_impulses",
+    "first_side",
+    "note_forces",
+    "sum_of",
+    "tolerance_of",
+    "turning_time",
+    "used",
+    "watch",
+]
+
+SUMS = 4  # of each declared contact: normal impulse, that of friction in world axes
+GRAIN = 1e-3  # of the threshold: how far below it slip may be
+PART = 0.5  # of |gamma| / |gammadot|: the longest step
+LEFT_BEHIND = 2.0  # thresholds: what is faster slides
+
+
+@kernel
+def used(memory: Any) -> int:
+    """Components of the state but for those of laws that no pair has got yet."""
+    return memory.nq + len(memory.u) + 3 + SUMS * memory.seen.pairs.n_laws
+
+
+@kernel
+def sum_of(work: SpatialWork, memory: Any, k: int) -> int:
+    """Where the sums of the declared contact of entry k begin in the state."""
+    return memory.nq + len(memory.u) + 3 + SUMS * work.table.law[k]
+
+
+@kernel
+def first_side(work: SpatialWork, memory: Any, k: int) -> float:
+    """1 where side i of entry k is that of the first surface of its declared contact, else -1."""
+    return side_of(memory.seen, work.table.law[k], work.table.body[k, 0])
+
+
+@kernel
+def friction_of(work: SpatialWork, memory: Any, k: int) -> Vector:
+    """Friction by ``work.p`` on the body of the first surface of the declared contact of k, world axes; it has some."""
+    side = first_side(work, memory, k)
+    r = work.n_joint + work.n_contacts + memory.sets.tangent_of[k]
+    first, second = across(work, k)
+    return added(scaled(side * work.p[r], first), scaled(side * work.p[r + 1], second))
+
+
+@kernel
+def add_rates(work: SpatialWork, memory: Any, u: FloatArray, base: int, out: FloatArray) -> None:
+    """Rates of what contact forces do and sum up to, after ``fixed_forces``."""
+    sets = memory.sets
+    for k in range(work.n_contacts):
+        at = sum_of(work, memory, k)
+        out[at] += work.p[work.n_joint + k]
+        if sets.tangent_of[k] >= 0:
+            r = work.n_joint + work.n_contacts + sets.tangent_of[k]
+            first, second = slip_of(work, sets, k, u)
+            out[base] -= work.p[r] * first + work.p[r + 1] * second
+            friction = friction_of(work, memory, k)
+            for i in range(3):
+                out[at + 1 + i] += friction[i]
+
+
+@kernel
+def count_impulses(work: SpatialWork, memory: Any) -> None:
+    """Add the impulses of a projection of velocities, and what those that stop slip below the threshold take.
+
+    Contacts that begin to slide are on their way from now on.
+    """
+    sets, n_joint = memory.sets, work.n_joint
+    base = memory.nq + len(memory.u)
+    for k in range(memory.n_contacts):
+        at = sum_of(work, memory, k)
+        memory.y[at] += work.p[n_joint + k]
+        if sets.tangent_of[k] >= 0:
+            r = n_joint + work.n_contacts + sets.tangent_of[k]
+            friction = friction_of(work, memory, k)
+            for i in range(3):
+                memory.y[at + 1 + i] += friction[i]
+            memory.y[base] -= 0.5 * (work.p[r] * work.free[r] + work.p[r + 1] * work.free[r + 1])
+        if sets.youth[k] == BEGINS:
+            sets.youth[k] = SLOW
+
+
+@kernel
+def watch(model: Any, work: SpatialWork, memory: Any, y: FloatArray) -> None:
+    """Watched functions of all maintained contacts, after ``slope`` at the same state."""
+    nq = memory.nq
+    q, u = y[:nq], y[nq : nq + len(memory.u)]
+    sets, value, n_joint = memory.sets, memory.value, work.n_joint
+    memory.force = 0.0
+    for k in range(work.n_contacts):
+        force = work.p[n_joint + k]
+        value[PRESSURE, k] = force
+        value[CONE, k] = math.inf
+        value[SLIDES, k] = math.inf
+        value[SPAN, k] = min(foot_margin(model, q, work.table, k), node_margin(model, q, work.table, k))
+        size = abs(force)
+        if work.own[k] > 0.0:
+            size = max(size, abs(work.effect[k]) / work.own[k])
+        memory.force = max(memory.force, size)
+        if sets.tangent_of[k] < 0:
+            continue
+        if sets.mode[k] == STICKING:
+            r = n_joint + work.n_contacts + sets.tangent_of[k]
+            value[CONE, k] = work.mu[k] * force - math.hypot(work.p[r], work.p[r + 1])
+        elif sets.mode[k] == SLIDING:
+            first, second = slip_of(work, sets, k, u)
+            if sets.youth[k] == FAST:
+                value[SLIDES, k] = math.hypot(first, second) - sets.slow
+            else:
+                t, s = across(work, k)
+                kept = row_vector(sets.direction, k)
+                value[SLIDES, k] = first * dot(kept, t) + second * dot(kept, s) + 2.0 * sets.slow
+
+
+@kernel
+def tolerance_of(settings: EventSettings, memory: Any, kind: int) -> float:
+    """How far below zero a watched function may be."""
+    if kind == SPAN:
+        return SPAN_TOLERANCE
+    if kind == SLIDES:
+        return GRAIN * settings.slip_threshold
+    return FORCE_TOLERANCE * memory.force
+
+
+@kernel
+def turning_time(work: SpatialWork, memory: Any, u: FloatArray) -> float:
+    """The longest step [s] over which no slip changes by more than a part of itself, after ``slope`` to slopes[0].
+
+    What has left the threshold behind slides from now on, and its direction is kept.
+    """
+    sets = memory.sets
+    base = memory.nq + len(memory.u)
+    rates = memory.slopes[0, memory.nq : base]
+    longest = math.inf
+    for k in range(work.n_contacts):
+        if sets.mode[k] != SLIDING:
+            continue
+        first, second = slip_of(work, sets, k, u)
+        slip = math.hypot(first, second)
+        if sets.youth[k] != FAST:
+            if not slip > LEFT_BEHIND * sets.slow:
+                continue
+            sets.youth[k] = FAST
+        keep_direction(work, sets, k, first, second)
+        r = work.n_joint + work.n_contacts + sets.tangent_of[k]
+        change = math.hypot(
+            row_velocity(work.rows, work.row_body, r, work.dof, rates) + work.bias[r],
+            row_velocity(work.rows, work.row_body, r + 1, work.dof, rates) + work.bias[r + 1],
+        )
+        if change > 0.0:
+            longest = min(longest, PART * slip / change)
+    return longest
+
+
+@kernel
+def note_forces(
+    model: Any,
+    settings: EventSettings,
+    q: FloatArray,
+    u: FloatArray,
+    work: SpatialWork,
+    memory: Any,
+    recorder: Recorder,
+) -> None:
+    """Add the touching points with the forces ``work.p`` to the instant about to be stored."""
+    sets = memory.sets
+    for k in range(work.n_contacts):
+        first, second = 0.0, 0.0
+        state = STICK if sets.mode[k] == STICKING else SLIP
+        if sets.mode[k] != SMOOTH:
+            r = work.n_joint + work.n_contacts + sets.tangent_of[k]
+            first, second = work.p[r], work.p[r + 1]
+            slip = slip_of(work, sets, k, u)
+            if math.hypot(slip[0], slip[1]) <= settings.slip_threshold:
+                state = STICK
+        place = contact_point(model, q, work.table, k)
+        note_spatial_contact(recorder, work.table, k, place, work.p[work.n_joint + k], first, second, state)
