@@ -5,6 +5,7 @@ from __future__ import annotations
 from lcpflex.contact.narrow_phase.feature import SEGMENT
 from lcpflex.contact.table import ContactTable
 from lcpflex.jit.kernel import kernel
+from lcpflex.jit.leaf import in_space
 
 __all__ = ["YIELDED", "yield_to_deeper"]
 
@@ -12,6 +13,7 @@ SHALLOW = 0.98  # cosine of 0.2 rad: of two segments that meet in a hollow of le
 YIELDED = 1e-300  # [m] gap of the other one: it does not touch
 
 
+@in_space("lcpflex.contact.spatial.concave_corners")
 @kernel
 def yield_to_deeper(table: ContactTable, n: int) -> None:
     """In a shallow hollow of two segments, leave a node the deeper of its two indentations: the other one ends.

@@ -42,18 +42,18 @@ class CompliantContacts:
     bias: FloatArray = array(2, "joints")  # scratch
     joints: JointFactor
     rate: FloatArray = array("contacts")  # of the gaps [m/s]
-    slip: FloatArray = array("tangents")  # [m/s]
+    slip: FloatArray = array("tangents")  # [m/s], of contacts; in space of tangential rows
     inverse: FloatArray = array("contacts")  # G_NN where a contact begins [1/kg]
     p: FloatArray = array("contacts", "forces")  # normal and tangential force, of which there are two in space [N]
     elastic: FloatArray = array("contacts")  # part of the normal force that stores energy [N]
     sticks: IntArray = array("contacts")  # 1: slips slower than the slip speed of the law
-    last: FloatArray = array("contacts", 3)  # key, friction over normal force, sticking in the last step
-    before: FloatArray = array("contacts", 2)  # key and friction over normal force of the entries of the last step
+    last: FloatArray = array("contacts", "lasting")  # key, friction over normal force, sticking in the last step
+    before: FloatArray = array("contacts", "known")  # key, friction over normal force of the entries of the last step
     missed: FloatArray = array("laws", 2)  # [N s] by how much friction is not that of the slip; mu times the normal one
     friction: FloatArray = array("ndof")  # generalised forces of friction
     free: FloatArray = array("ndof")  # velocities at the end of a step with the friction found so far
     push: FloatArray = array("ndof")  # scratch
-    states: FloatArray = array(0, 2)  # none of friction: a stepper that advances some has them in its own state
+    states: FloatArray = array(0, "states")  # none of friction: a stepper that advances some has them in its own state
     stiffest: float  # 2 / (step that bears stiffness and damping) [1/s]
     n_contacts: int
     n_joint: int
@@ -84,7 +84,9 @@ def compliant_contacts(
     n = len(joints.answer)
     each = 3 if in_space else 2  # rows of a contact
     sizes = {"joints": n, "rows": n + each * (capacity + 1) - 1, "width": width, "contacts": capacity}
-    sizes |= {"tangents": (each - 1) * capacity, "forces": each}
+    vector = 3 if in_space else 1  # numbers of a friction force that are kept from step to step: world axes
+    sizes |= {"tangents": (each - 1) * capacity, "forces": each, "known": 1 + vector, "lasting": 2 + vector}
+    sizes |= {"states": 4 if in_space else 2}
     make_table = spatial_contact_table if in_space else contact_table
     table: Any = make_table(capacity, n_surfaces if any(compliant) else 0, compliant, COMPLIANT)
     return allocate(

@@ -23,6 +23,7 @@ from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
 from lcpflex.force_laws.history import ContactMemory, place_of
 from lcpflex.force_laws.normal_kernels import contact_energy, contact_stiffness, normal_force
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.semidefinite import dot
 
@@ -44,9 +45,13 @@ __all__ = [
     "pair_place",
     "pair_stiffness",
     "parting_time",
+    "slip_along",
+    "states_of_friction",
+    "tangential_force",
 ]
 
 ONSET = 0.5  # of the time in which a contact would reach its largest indentation: how far a step may go into it
+STATES = 2  # of a friction law that has some
 LEAVING = 1.001  # times that in which a contact would part at its present rate
 LEAST_SHARE = 1e-3  # of the step before, below which that does not shorten one
 
@@ -104,6 +109,7 @@ def find_contacts(model: Model, q: FloatArray, margin: float, contacts: Complian
     contacts.n_contacts = n
 
 
+@in_space("lcpflex.dynamics.spatial.contact_forces")
 @kernel
 def fill_rows(model: Model, q: FloatArray, contacts: CompliantContacts) -> None:
     """Rows of the contacts found.
@@ -139,7 +145,8 @@ def normal_forces(model: Model, q: FloatArray, u: FloatArray, contacts: Complian
             force, elastic = pair_force(history, table.law[k], pair_place(model, history, table, k), depth, -rate)
         contacts.rate[k] = rate
         contacts.p[k, 0] = force
-        contacts.p[k, 1] = 0.0
+        for c in range(1, contacts.p.shape[1]):
+            contacts.p[k, c] = 0.0
         contacts.elastic[k] = elastic
         contacts.sticks[k] = 0
 
@@ -177,13 +184,43 @@ def friction_forces(
         contacts.p[k, 1] = friction_force(kinds, p, slip, normal, mu, bristle, dwell)
 
 
+@in_space("lcpflex.dynamics.spatial.contact_forces")
+@kernel
+def find_friction(
+    model: Model, q: FloatArray, u: FloatArray, states: FloatArray, rates: FloatArray, contacts: CompliantContacts
+) -> None:
+    """``friction_forces`` in the state (q, u)."""
+    friction_forces(model, u, states, rates, contacts)
+
+
+@in_space("lcpflex.dynamics.spatial.contact_forces")
+@kernel
+def tangential_force(contacts: CompliantContacts, j: int) -> float:
+    """Friction along tangential row j [N]."""
+    return contacts.p[contacts.tangent[j], 1]
+
+
+@in_space("lcpflex.dynamics.spatial.contact_forces")
+@kernel
+def slip_along(contacts: CompliantContacts, j: int) -> float:
+    """Slip velocity along tangential row j [m/s], after ``friction_forces``."""
+    return contacts.slip[contacts.tangent[j]]
+
+
+@in_space("lcpflex.dynamics.spatial.contact_forces")
+@kernel
+def states_of_friction(model: Model) -> int:
+    """How many states of friction each place has: bristle and dwell."""
+    return STATES
+
+
 @kernel
 def contact_forces(
     model: Model, q: FloatArray, u: FloatArray, states: FloatArray, rates: FloatArray, contacts: CompliantContacts
 ) -> None:
     """All forces of compliant contacts in the state (q, u), with the ``states`` of friction and their ``rates``."""
     normal_forces(model, q, u, contacts)
-    friction_forces(model, u, states, rates, contacts)
+    find_friction(model, q, u, states, rates, contacts)
 
 
 @late_kernel
@@ -212,12 +249,12 @@ def add_contact_forces(model: Model, q: FloatArray, u: FloatArray, work: Workspa
     if len(contacts.friction) == 0:
         return
     add_normal_forces(model, q, u, work)
-    friction_forces(model, u, contacts.states, contacts.states, contacts)
+    find_friction(model, q, u, contacts.states, contacts.states, contacts)
     for i in range(len(u)):
         contacts.friction[i] = 0.0
     first = contacts.n_joint + contacts.n_contacts
     for j in range(contacts.n_tangents):
-        add_force(contacts, contacts.rows, first + j, contacts.p[contacts.tangent[j], 1], contacts.friction)
+        add_force(contacts, contacts.rows, first + j, tangential_force(contacts, j), contacts.friction)
     add_friction(work)
 
 
@@ -252,6 +289,7 @@ def add_force(contacts: CompliantContacts, rows: FloatArray, r: int, force: floa
                 out[d + k] += rows[r, i, k] * force
 
 
+@in_space("lcpflex.dynamics.spatial.contact_forces")
 @kernel
 def add_impulses(contacts: CompliantContacts, first: int, out: FloatArray) -> None:
     """Add the forces to the rates of the impulses of declared contacts, normal and tangential, from ``first`` on."""

@@ -26,6 +26,7 @@ from lcpflex.force_laws.friction.kernels import BENGISU_AKAY, BROWN_MCPHEE, fric
 from lcpflex.force_laws.history import ContactMemory
 from lcpflex.force_laws.layout import FRICTION, FRICTION_KIND
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
 
 __all__ = ["add_balanced_forces", "balanced_friction", "compare_friction", "forces_after"]
@@ -139,10 +140,10 @@ def free_velocities(model: Model, t: float, q: FloatArray, u: FloatArray, h: flo
     """contacts.free: velocities at the end of a step without friction and rigid contacts, but with the joints."""
     contacts = work.compliant
     n_joint = contacts.n_joint
-    for i in range(len(q)):
+    for i in range(len(u)):
         contacts.push[i] = h * (work.conservative[i] + work.dissipative[i] + work.driving[i])
     solve_vector(model, work, contacts.push)
-    for i in range(len(q)):
+    for i in range(len(u)):
         contacts.free[i] = u[i] + contacts.push[i]
     if n_joint == 0:
         return
@@ -166,7 +167,7 @@ def balance(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, work
     n_joint = contacts.n_joint
     first = n_joint + n
     dof = contacts.dof
-    for i in range(len(q)):
+    for i in range(len(u)):
         contacts.friction[i] = 0.0
     if contacts.n_tangents > 0:
         free_velocities(model, t, q, u, h, work)
@@ -206,6 +207,13 @@ def balance(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, work
         contacts.before[k, 1] = contacts.p[k, 1] / contacts.p[k, 0] if contacts.p[k, 0] > 0.0 else 0.0
 
 
+@in_space("lcpflex.dynamics.spatial.contact_forces_friction")
+@kernel
+def find_balance(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, work: Workspace) -> None:
+    """:func:`balance`."""
+    balance(model, t, q, u, h, work)
+
+
 @kernel
 def add_balanced_forces(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, work: Workspace) -> None:
     """Add the forces of compliant contacts to those in ``work``: normal ones at (q, u), friction at the end of a step.
@@ -215,17 +223,24 @@ def add_balanced_forces(model: Model, t: float, q: FloatArray, u: FloatArray, h:
     if len(work.compliant.friction) == 0:
         return
     add_normal_forces(model, q, u, work)
-    balance(model, t, q, u, h, work)
+    find_balance(model, t, q, u, h, work)
     add_friction(work)
 
 
-@late_kernel
+@in_space("lcpflex.dynamics.spatial.contact_forces_friction")
+@kernel
 def forces_after(model: Model, q: FloatArray, u: FloatArray, work: Workspace) -> None:
     """Forces of compliant contacts in the state (q, u) that a step with ``add_balanced_forces`` led to, with the
     friction of it.
 
     Part of the slip at its end is what rigid contacts did not let happen: friction of that slip did not act.
     """
+    planar_forces_after(model, q, u, work)
+
+
+@late_kernel
+def planar_forces_after(model: Model, q: FloatArray, u: FloatArray, work: Workspace) -> None:
+    """The same, in the plane."""
     contacts = work.compliant
     n = contacts.n_contacts
     for k in range(n):
@@ -240,6 +255,7 @@ def forces_after(model: Model, q: FloatArray, u: FloatArray, work: Workspace) ->
                 contacts.sticks[k] = 1 if contacts.last[i, 2] > 0.0 else 0
 
 
+@in_space("lcpflex.dynamics.spatial.contact_forces_friction")
 @kernel
 def compare_friction(u: FloatArray, h: float, work: Workspace) -> None:
     """Add up how far the friction of a step is from that of the slip at its end, where the velocities are u.

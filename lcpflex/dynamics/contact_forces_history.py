@@ -22,6 +22,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.elastic.kernels import stored_energy
 from lcpflex.force_laws.history import FREE, PLACES, ContactMemory, first_place
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 
@@ -200,12 +201,30 @@ def renew_history(
             factor_joints(model, t, q, u, work)
         for k in range(n):
             contacts.inverse[k] = condensed_mobility(contacts, n_joint + k)
-    contacts.out_of_range = update_states(model, contacts, states)
+    contacts.out_of_range = update_states(model, q, contacts, states)
     return contacts.out_of_range < 0
 
 
+@in_space("lcpflex.dynamics.spatial.bristles")
 @kernel
-def update_states(model: Model, contacts: CompliantContacts, states: FloatArray) -> int:
+def straighten(
+    model: Model, q: FloatArray, contacts: CompliantContacts, k: int, states: FloatArray, place: int
+) -> None:
+    """The states of friction of entry k, which has begun."""
+    for j in range(2 if place < len(states) else 0):
+        states[place, j] = 0.0
+
+
+@in_space("lcpflex.dynamics.spatial.bristles")
+@kernel
+def keep_bristles(
+    model: Model, q: FloatArray, contacts: CompliantContacts, k: int, states: FloatArray, place: int
+) -> None:
+    """The states of friction of entry k, which goes on: in the plane they stay what they are."""
+
+
+@kernel
+def update_states(model: Model, q: FloatArray, contacts: CompliantContacts, states: FloatArray) -> int:
     """Write the history of the contacts found; the law whose indentation is out of its range, or -1."""
     history = contacts.history
     table = contacts.table
@@ -235,8 +254,9 @@ def update_states(model: Model, contacts: CompliantContacts, states: FloatArray)
             history.mass[own] = 1.0 / inverse if inverse > 0.0 else math.inf
             history.deepest[own] = 0.0
             history.loading[own] = 1
-            for j in range(2 if own < len(states) else 0):
-                states[own, j] = 0.0
+            straighten(model, q, contacts, k, states, own)
+        else:
+            keep_bristles(model, q, contacts, k, states, own)
         history.feature[own] = table.key[k] % count
         history.seen[own] = 1
         if depth >= history.deepest[own]:

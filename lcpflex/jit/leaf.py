@@ -28,12 +28,14 @@ from typing import Any, Generic, ParamSpec, TypeVar
 
 from lcpflex.jit.kernel import kernel
 
-__all__ = ["Leaf", "in_space", "leaf", "optional_leaf"]
+__all__ = ["Leaf", "in_space", "leaf", "load_space", "optional_leaf"]
 
 SPATIAL = "Spatial"  # names of the structs of space begin so
 
 P = ParamSpec("P")
 R = TypeVar("R")
+
+_modules: set[str] = set()  # with kernels of space
 
 
 class Leaf(Generic[P, R]):
@@ -136,10 +138,18 @@ def optional_leaf(declared: Callable[P, R]) -> Leaf[P, R]:
 def in_space(module: str) -> Callable[[Callable[P, R]], Leaf[P, R]]:
     """Decorator of a planar kernel: arguments of space are for the function of the same name in that module."""
 
+    _modules.add(module)
+
     def declare(planar: Callable[P, R]) -> Leaf[P, R]:
         return _known_to_numba(Leaf(getattr(planar, "py_func", planar), planar, module))
 
     return declare
+
+
+def load_space() -> None:
+    """Load the kernels of space of all leaves so far: where Python functions stand in for some, all must be known."""
+    for module in sorted(_modules):
+        import_module(module)
 
 
 def _known_to_numba(made: Leaf[P, R]) -> Leaf[P, R]:

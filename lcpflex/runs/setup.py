@@ -16,7 +16,6 @@ from lcpflex.scene.scene import Scene
 from lcpflex.scene.spatial.scene import SpatialScene
 from lcpflex.scene.user_system import UserSystem
 from lcpflex.solvers.quadratic_program import QuadraticProgram
-from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 from lcpflex.steppers.user_functions import watch
 
 if TYPE_CHECKING:
@@ -145,19 +144,11 @@ def _check_space(stepper: Stepper, system: System) -> None:
     """Refuse what contacts in space are not offered with yet: it would run, and be wrong."""
     if not is_spatial(system.model) or not len(system.model.contacts.friction):
         return
-    from lcpflex.steppers.event_driven.stepper import EventDriven
-
-    if not isinstance(stepper, MoreauJean | EventDriven):
+    if not getattr(stepper, "takes_spatial_contacts", False):
         raise ModelError(
-            f"stepper: {shown(stepper)} was given for a SpatialScene with contacts, expected MoreauJean or "
-            "EventDriven: the others take contacts in the plane so far"
+            f"stepper: {shown(stepper)} was given for a SpatialScene with contacts, expected MoreauJean, EventDriven or "
+            "Smooth: the others take contacts in the plane so far"
         )
-    for name, law in zip(system.names, system.laws, strict=False):
-        if law is not None:
-            raise ModelError(
-                f"law: {shown(law)} of contact {name!r} of a SpatialScene was given, expected None: contacts in space "
-                "have no force laws so far"
-            )
 
 
 def _check_solver(stepper: Stepper, system: System) -> None:

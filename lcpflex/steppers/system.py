@@ -25,6 +25,7 @@ from lcpflex.force_laws.law import Law
 from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.leaf import load_space
 from lcpflex.jit.struct import pack, put_array
 from lcpflex.model.arrays import Model
 from lcpflex.model.layout import is_spatial
@@ -77,6 +78,8 @@ class System:
         object.__setattr__(self, "model", model)
         object.__setattr__(self, "pairs", pairs)
         give_laws(model.contacts, len(pairs.pair))
+        if self.hooks and is_spatial(self.model):
+            load_space()
 
     @property
     def n_laws(self) -> int:
@@ -172,7 +175,10 @@ class System:
         history, dof, arrow, dense = shared
         room = sufficient_capacity(contacts, rows) if capacity is None else capacity
         in_space = is_spatial(self.model)
-        return compliant_contacts(rows, history, dof, self.pattern, self.n_surfaces, arrow, dense, room, in_space)
+        made = compliant_contacts(rows, history, dof, self.pattern, self.n_surfaces, arrow, dense, room, in_space)
+        if in_space:
+            _tell_sides(made.table, contacts)
+        return made
 
     def workspace(
         self,

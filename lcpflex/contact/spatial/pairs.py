@@ -51,7 +51,16 @@ from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, row_vector, scaled
 from lcpflex.model.spatial import SpatialModel, SpatialPoints
 
-__all__ = ["contact_bias", "contact_point", "contact_rows", "foot_margin", "gap_rate", "node_margin", "refresh"]
+__all__ = [
+    "contact_bias",
+    "contact_point",
+    "contact_rows",
+    "foot_margin",
+    "gap_rate",
+    "node_margin",
+    "normal_rate",
+    "refresh",
+]
 
 
 @kernel
@@ -241,6 +250,22 @@ def contact_bias(
         more, bias = lever_motion(spin, turn, scaled(radius, n), scaled(radius, turning.ndot))
         v, b = apart_from(v, more), apart_from(b, bias)
     return along_axes(n, t, turning, v, b)
+
+
+@kernel
+def normal_rate(model: SpatialModel, q: FloatArray, u: FloatArray, table: SpatialContactTable, k: int) -> Vector:
+    """ndot of entry k [1/s], world axes."""
+    bodies, points = model.bodies, model.points
+    n, t = row_vector(table.normal, k), row_vector(table.tangent, k)
+    i, j = table.body[k, 0], table.body[k, 1]
+    frames = (frame_of(bodies, q, i), frame_of(bodies, q, j))
+    motions = (frame_motion(bodies, u, i), frame_motion(bodies, u, j))
+    of_i = mean_motion(points, q, u, frames[0], motions[0], mean_on_i(table, k)) if i >= 0 else AT_REST
+    of_j = mean_motion(points, q, u, frames[1], motions[1], mean_on_j(table, k)) if j >= 0 else AT_REST
+    v = apart_from(of_i.v, of_j.v)
+    if table.kind[k] == RIM_FACET:
+        return rim_motion(points, q, u, frames, motions, table, k, n, t, v)[2].ndot
+    return turning_of(points, q, u, frames, motions, table, k, n, t, v).ndot
 
 
 @kernel

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -30,6 +31,7 @@ __all__ = [
     "RIM_FACET",
     "SpatialContactTable",
     "copy_entry",
+    "side_of",
     "spatial_contact_table",
 ]
 
@@ -55,7 +57,7 @@ class SpatialContactTable:
     along: IntArray = array("contacts")  # which axis of body j t1 is the projection of; -1: the first edge of j
     bound: FloatArray = array("surfaces", 4)  # work: world centre of each surface, its deflection
     compliant: IntArray = array("laws")  # as in the plane
-    first: IntArray = array("declared")  # first surface of each declared contact, in tables of recorders
+    first: IntArray = array("declared")  # first surface of each declared contact, in tables that tell it
     owner: IntArray = array("owners")  # and the body of each surface there
     collects: int
     pairs: RulePairs
@@ -105,3 +107,18 @@ def copy_entry(source: SpatialContactTable, i: int, target: SpatialContactTable,
     for c in range(2):
         target.foot[j, c] = source.foot[i, c]
         target.body[j, c] = source.body[i, c]
+
+
+@kernel
+def side_of(told: Any, law: int, i: int) -> float:
+    """1 where body i of an entry is that of the first surface of contact ``law``, -1 where that is its body j.
+
+    told: a table that does, of the recorder or of compliant contacts. Where it knows no surfaces of a contact, the
+    side i is taken for the first.
+    """
+    surface = -1
+    if law < len(told.first):
+        surface = told.first[law]
+    elif law < len(told.pairs.pair):
+        surface = told.pairs.pair[law, 0]
+    return 1.0 if surface < 0 or told.owner[surface] == i else -1.0

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.dynamics.workspace import Workspace
@@ -123,6 +124,7 @@ class MoreauJean:
     on_unsolved: str = "continue"
     budget: int | None = None
     gyroscopic: str = CORRECTED
+    takes_spatial_contacts: ClassVar[bool] = True  # it takes contacts of space, with two directions of friction
 
     def __post_init__(self) -> None:
         keep_number(self, "step", 0.0, math.inf, open_ends=True)

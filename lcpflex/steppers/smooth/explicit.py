@@ -8,12 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.dynamics.acceleration import project
-from lcpflex.dynamics.contact_forces import mobility, pair_place
+from lcpflex.dynamics.contact_forces import mobility, pair_place, states_of_friction
 from lcpflex.dynamics.contact_forces_history import note_depths, onset, roundings, update_history
 from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
-from lcpflex.force_laws.history import PLACES
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.configuration import advance as advance_by, normalise
@@ -210,7 +209,7 @@ def renew_history(model: Model, work: Workspace, memory: SmoothMemory) -> int:
     nq = memory.nq
     q = memory.y[:nq]
     u = memory.y[nq : nq + len(work.free_u)]
-    states = memory.y[memory.states :].reshape(-1, PLACES)
+    states = memory.y[memory.states :].reshape(-1, states_of_friction(model))
     if update_history(model, memory.time, q, u, roundings(u), False, states, work):
         return RunStatus.DONE
     return RunStatus.GROW if contacts.needed > 0 else RunStatus.OUT_OF_RANGE
@@ -253,6 +252,7 @@ def advance(
             return status
 
 
+@in_space("lcpflex.steppers.spatial.kick")
 @kernel
 def relax(model: Model, h: float, work: Workspace, memory: SmoothMemory) -> float:
     """Let the states of friction go on by h [s], by linearly implicit steps: they relax in a far shorter time.

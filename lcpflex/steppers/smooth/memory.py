@@ -20,7 +20,10 @@ FRICTION, CONTACT_DAMPING, DAMPING, WORK, IMPULSES = range(5)  # places in y beh
 
 @struct
 class SmoothMemory:
-    """State and stages of a run; ny = nq + ndof + 4 + 2 laws, + 2 places where friction has states of its own."""
+    """State and stages of a run; ny = nq + ndof + 4 + 2 laws, + 2 places where friction has states of its own.
+
+    In space 4 laws and 4 places.
+    """
 
     y: FloatArray = array("ny")  # state at the start of the step
     end: FloatArray = array("ny")  # at its end
@@ -28,7 +31,7 @@ class SmoothMemory:
     at: FloatArray = array("ny")  # state on the dense output
     slope: FloatArray = array("ny")
     sets: ContactSets  # of no contacts, for the projection onto joints
-    states: int  # where in y the two states of friction of each place begin; ny if there are none
+    states: int  # where in y the states of friction of each place begin; ny if there are none
     nq: int  # where velocities begin in y
     phase: int
     steps: int
@@ -46,11 +49,11 @@ class SmoothMemory:
 def smooth_memory(system: System, history: ContactMemory, laws: Sequence[LawRow]) -> SmoothMemory:
     """Allocate for ``system`` at its initial state, with the law of each declared contact."""
     nq, base = len(system.q), len(system.q) + len(system.u)
-    states = base + IMPULSES + 2 * len(laws)
-    ny = states + (2 * len(history.feature) if any(law.bristles for law in laws) else 0)
-    memory = allocate(
-        SmoothMemory, {"ny": ny}, sets=contact_sets(1, in_space=is_spatial(system.model)), states=states, nq=nq
-    )
+    in_space = is_spatial(system.model)
+    sums, each = (4, 4) if in_space else (2, 2)  # of a law, and states of friction of a place
+    states = base + IMPULSES + sums * len(laws)
+    ny = states + (each * len(history.feature) if any(law.bristles for law in laws) else 0)
+    memory = allocate(SmoothMemory, {"ny": ny}, sets=contact_sets(1, in_space=in_space), states=states, nq=nq)
     memory.y[:nq] = system.q
     memory.y[nq:base] = system.u
     return memory

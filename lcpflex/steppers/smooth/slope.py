@@ -4,7 +4,8 @@
 
 Contact forces are functions of the state (:mod:`lcpflex.force_laws.penalty`); only joints have unknown ones. The
 vector y holds q (nq numbers), u (ndof), then accumulated: energy lost to friction, to damping of contacts, to that of
-bodies, work of loads and drives [J], and the normal and tangential impulse of each declared contact [N s].
+bodies, work of loads and drives [J], and the normal and tangential impulse of each declared contact [N s], the latter
+a vector in space.
 """
 
 from __future__ import annotations
@@ -27,13 +28,15 @@ from lcpflex.dynamics.contact_forces import (
     pair_place,
     pair_stiffness,
     parting_time,
+    slip_along,
+    states_of_friction,
+    tangential_force,
 )
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.joint_reactions import note_instant
 from lcpflex.dynamics.joint_response import factorise_joints, solve_joints
 from lcpflex.dynamics.mechanics import factorise, forces, solve_rows, solve_vector, supply
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.force_laws.history import PLACES
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.configuration import rate
 from lcpflex.kinematics.joint_rows import joint_rows
@@ -61,9 +64,9 @@ def add_contacts(contacts: CompliantContacts, base: int, accelerations: FloatArr
         add_force(contacts, contacts.rows, contacts.n_joint + k, contacts.p[k, 0], accelerations)
         out[base + CONTACT_DAMPING] -= (contacts.p[k, 0] - contacts.elastic[k]) * contacts.rate[k]
     for j in range(contacts.n_tangents):
-        k = contacts.tangent[j]
-        add_force(contacts, contacts.rows, contacts.n_joint + n + j, contacts.p[k, 1], accelerations)
-        out[base + FRICTION] -= contacts.p[k, 1] * contacts.slip[k]
+        force = tangential_force(contacts, j)
+        add_force(contacts, contacts.rows, contacts.n_joint + n + j, force, accelerations)
+        out[base + FRICTION] -= force * slip_along(contacts, j)
     add_impulses(contacts, base + IMPULSES, out)
 
 
@@ -79,8 +82,8 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smooth
     u = y[nq:base]
     for i in range(base, len(out)):
         out[i] = 0.0
-    states = y[memory.states :].reshape(-1, PLACES)
-    rates = out[memory.states :].reshape(-1, PLACES)
+    states = y[memory.states :].reshape(-1, states_of_friction(model))
+    rates = out[memory.states :].reshape(-1, states_of_friction(model))
     contact_forces(model, q, u, states, rates, work.compliant)
     if work.compliant.needed > 0:
         return False
@@ -185,9 +188,10 @@ def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smoot
     recorder.counts.lost_impacts = y[base + CONTACT_DAMPING]
     recorder.counts.lost_damping = y[base + DAMPING]
     recorder.counts.supplied = y[base + WORK]
+    sums = recorder.total_impulse.shape[1]
     for law in range(len(recorder.total_impulse)):
-        for c in range(2):
-            recorder.total_impulse[law, c] = y[base + IMPULSES + 2 * law + c]
+        for c in range(sums):
+            recorder.total_impulse[law, c] = y[base + IMPULSES + sums * law + c]
     for k in range(n if recorder.rates.now[0] == 1 else 0):
         recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -contacts.table.gap[k])
     note_compliant(model, q, contacts, True, recorder)

@@ -8,10 +8,8 @@ and at touching points the normal towards that body. The force of a point on tha
 
 from __future__ import annotations
 
-from typing import Any
-
 from lcpflex.contact.spatial.pairs import contact_point
-from lcpflex.contact.spatial.table import SpatialContactTable
+from lcpflex.contact.spatial.table import SpatialContactTable, side_of
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, kernel
@@ -27,7 +25,6 @@ __all__ = [
     "note_compliant",
     "note_impulses",
     "note_spatial_contact",
-    "side_of",
 ]
 
 STICKING_SPEED = 1e-9  # [m/s] as in the plane
@@ -43,20 +40,6 @@ def friction_vector(table: SpatialContactTable, k: int, first: float, second: fl
         first * y + second * (nz * x - nx * z),
         first * z + second * (nx * y - ny * x),
     )
-
-
-@kernel
-def side_of(told: Any, law: int, i: int) -> float:
-    """1 where body i of an entry is that of the first surface of contact ``law``, -1 where that is its body j.
-
-    told: the table of the recorder. Where it knows no surfaces of a contact, the side i is taken for the first.
-    """
-    surface = -1
-    if law < len(told.first):
-        surface = told.first[law]
-    elif law < len(told.pairs.pair):
-        surface = told.pairs.pair[law, 0]
-    return 1.0 if surface < 0 or told.owner[surface] == i else -1.0
 
 
 @kernel

@@ -7,23 +7,18 @@ import pytest
 import lcpflex as lf
 
 
-def ball_on_floor(law: lf.Penalty | None = None) -> lf.SpatialScene:
+def ball_on_floor() -> lf.SpatialScene:
     scene = lf.SpatialScene()
     ball = scene.add(lf.Sphere(radius=0.1, mass=1.0), position=(0.0, 0.0, 0.1))
-    scene.contact(ball.surface(), scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)), law=law, name="floor")
+    scene.contact(ball.surface(), scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)), name="floor")
     return scene
 
 
 @pytest.mark.parametrize(
     "stepper",
-    [lf.GeneralizedAlpha(step=1e-3), lf.MasslessBoundary(step=1e-3), lf.Smooth(lf.Penalty(1e5))],
-    ids=["generalised-alpha", "massless boundary", "smooth"],
+    [lf.GeneralizedAlpha(step=1e-3), lf.MasslessBoundary(step=1e-3)],
+    ids=["generalised-alpha", "massless boundary"],
 )
 def test_steppers_whose_contacts_are_planar_are_refused(stepper: lf.GeneralizedAlpha) -> None:
     with pytest.raises(lf.ModelError, match=rf"{type(stepper).__name__}.*SpatialScene.*expected MoreauJean"):
         lf.simulate(ball_on_floor(), 0.01, stepper, progress=False)
-
-
-def test_force_laws_in_space_are_refused() -> None:
-    with pytest.raises(lf.ModelError, match=r"law: Penalty.*'floor'.*expected None"):
-        lf.simulate(ball_on_floor(lf.Penalty(1e5)), 0.01, lf.MoreauJean(step=1e-3), progress=False)

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from lcpflex.contact.rule_pairs import RulePairs
-from lcpflex.contact.spatial.table import spatial_contact_table
+from lcpflex.contact.spatial.table import side_of, spatial_contact_table
 from lcpflex.jit.struct import allocate, put_array
 from lcpflex.model.arrays import SLIP, STICK
 from lcpflex.results.contact_history import ContactPoints
 from lcpflex.runs.page_result import touching_points
-from lcpflex.steppers.spatial.records import add_impulse, note_spatial_contact, side_of
+from lcpflex.steppers.spatial.records import add_impulse, note_spatial_contact
 
 OWNER = np.array([2, 0, 1])  # bodies of three surfaces
 GIVEN = np.array([[0, 1], [2, 0]])  # surfaces of two declared contacts
