@@ -50,6 +50,8 @@ class Mechanics(Protocol):
     @property
     def kinematics(self) -> Kinematics: ...
     @property
+    def has_cones(self) -> bool: ...
+    @property
     def has_potential(self) -> bool: ...
     def mass(self, q: FloatArray) -> FloatArray: ...
     def force(self, t: float, q: FloatArray, u: FloatArray) -> FloatArray: ...
@@ -67,7 +69,8 @@ class Mechanics(Protocol):
 def hooks(system: Mechanics) -> Hooks:
     """Replacements of the kernels that a stepper calls for the mechanics of a scene."""
     common = {**_contact_hooks(system), **_joint_hooks(system), **_inertia_hooks(system)}
-    return {**common, **_configuration_hooks(system)} if system.kinematics.own else common
+    moves = system.kinematics.own or system.has_cones  # there are no bodies whose numbers kernels of space could move
+    return {**common, **_configuration_hooks(system)} if moves else common
 
 
 def _configuration_hooks(system: Mechanics) -> Hooks:

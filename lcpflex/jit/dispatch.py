@@ -17,7 +17,7 @@ from typing import Any, cast
 from lcpflex.jit.kernel import interpreted
 from lcpflex.jit.leaf import Leaf
 
-__all__ = ["Hooks", "callees", "link", "reaching"]
+__all__ = ["Hooks", "callees", "in_space_too", "link", "reaching"]
 
 Kernel = Callable[..., Any]
 Hooks = Mapping[Kernel, Kernel]  # kernel: the Python function that stands in for it
@@ -40,6 +40,12 @@ def link(root: Kernel, hooks: Hooks) -> Kernel:
     for function, called in calls.items():
         _put_in(linked[function], {name: linked[callee] for name, callee in called.items()})
     return linked.get(root, root)
+
+
+def in_space_too(hooks: Hooks) -> Hooks:
+    """``hooks`` that stand in for the kernels of space as well, wherever these are called by themselves."""
+    leaves = [kernel for kernel in hooks if isinstance(kernel, Leaf) and kernel.space]
+    return {**hooks, **{leaf.chosen(["Spatial"]): hooks[leaf] for leaf in leaves}}
 
 
 def _opened(function: Kernel) -> Kernel:

@@ -23,13 +23,13 @@ SPACE = Dimension(spatial.N_PLACE, spatial.N_RIGID, 3)
 
 
 def dimension(bodies: Any) -> Dimension:
-    """Of the bodies of a model."""
-    return SPACE if hasattr(bodies, "centred") else PLANE
+    """Of the bodies of a model; PLANE, where q has no angles, of a user's own system, which has none."""
+    return SPACE if hasattr(bodies, "centred") and len(bodies.mass) else PLANE
 
 
 def is_spatial(model: Any) -> bool:
-    """Whether the bodies of a model move in space."""
-    return dimension(model.bodies) is SPACE
+    """Whether the bodies of a model move in space, or the contacts of a user's own system slide in planes."""
+    return hasattr(model.bodies, "centred")
 
 
 def place_offsets(bodies: Any) -> IntArray:

@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.model.arrays import Signals, frozen
+from lcpflex.model.arrays import Signals, empty, frozen
 
 __all__ = [
     "N_PLACE",
@@ -32,6 +32,7 @@ __all__ = [
     "SpatialModel",
     "SpatialPointTable",
     "SpatialPoints",
+    "bodiless_spatial_model",
     "no_spatial_contacts",
 ]
 
@@ -202,6 +203,54 @@ class SpatialModel(NamedTuple):
     joints: SpatialJoints
     loads: SpatialLoads
     contacts: SpatialContacts
+
+
+def bodiless_spatial_model(
+    n: int,
+    nq: int,
+    n_joint: int,
+    friction: npt.ArrayLike,
+    restitution: npt.ArrayLike,
+    tangential_restitution: npt.ArrayLike,
+) -> SpatialModel:
+    """A model of n velocities and nq coordinates in one block, n_joint joint rows and the given contact laws.
+
+    Without any geometry; its array types are those of every other one.
+    """
+    none, few, real = frozen([], np.int64), frozen([0], np.int64), frozen([])
+    pairs, three = frozen([], np.int64, columns=2), frozen([], columns=3)
+    body = SpatialBodies(
+        dof=frozen([0, n], np.int64),
+        place=frozen([0, nq], np.int64),
+        centred=none,
+        mass=real,
+        moment=three,
+        second=np.reshape(real, (0, 3, 3)),
+        S=three,
+        first=frozen([], columns=9),
+        stiffness=real,
+        damping=real,
+        cross_damping_start=frozen([0, 0], np.int64),
+        cross_damping=real,
+        second_modes=none,
+        products_start=frozen([0, 0], np.int64),
+        products=real,
+    )
+    return SpatialModel(
+        bodies=body,
+        points=SpatialPoints(none, three, few, three, three),
+        signals=empty(Signals),
+        joints=SpatialJoints(pairs, frozen([0, n_joint], np.int64), none, three, three, three, real, none),
+        loads=SpatialLoads(
+            frozen([0.0, 0.0, 0.0]), none, pairs, three, three, three, three, none, none,
+            frozen([], np.int64, columns=3),
+        ),
+        contacts=no_spatial_contacts()._replace(
+            friction=frozen(friction),
+            restitution=frozen(restitution),
+            tangential_restitution=frozen(tangential_restitution),
+        ),
+    )  # fmt: skip
 
 
 class SpatialPointTable:

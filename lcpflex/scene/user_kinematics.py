@@ -86,7 +86,7 @@ class UserKinematics:
 
     def velocity(self, q: FloatArray, change: FloatArray) -> FloatArray:
         """The velocity u with B(q) u nearest to a ``change`` (nq,)."""
-        return np.asarray(np.linalg.lstsq(self.matrix(q), change, rcond=None)[0])
+        return np.asarray(np.linalg.lstsq(self.matrix(q), change, rcond=None)[0]) if self.own else change
 
     def difference(self, a: FloatArray, b: FloatArray) -> FloatArray:
         """The velocity that moves a to b in 1 s, to second order."""
@@ -94,4 +94,4 @@ class UserKinematics:
 
     def magnitudes(self, q: FloatArray) -> FloatArray:
         """What changes of q, as velocities, are small against."""
-        return np.asarray(np.abs(np.linalg.pinv(self.matrix(q))) @ np.abs(q))
+        return np.asarray(np.abs(np.linalg.pinv(self.matrix(q))) @ np.abs(q)) if self.own else np.abs(q)

@@ -51,8 +51,11 @@ class UserSystem:
         Function q -> (m,) [m], positive open.
     normals, tangents
         W_N and W_T: (n, m) arrays or functions q -> (n, m); gdot = W^T u. No ``tangents`` are needed without friction.
+        W_T (n, m, 2) has two directions at right angles for each contact, whose friction is then that of space: the
+        circular cone. Forces of friction in the record are along these two, a third number is 0.
     normal_bias, tangent_bias
-        w: functions (q, u) -> (m,) with gddot = W^T udot + w; where omitted, (d/dt W)^T u by central differences.
+        w: functions (q, u) -> (m,) with gddot = W^T udot + w, (m, 2) for two directions; where omitted, (d/dt W)^T u by
+        central differences.
     friction, restitution, tangential_restitution
         mu >= 0, e_N and e_T in [0, 1]: numbers or (m,).
     names
@@ -199,6 +202,7 @@ class Functions:
     def __init__(self, given: UserSystem, kinematics: UserKinematics, n: int, m: int) -> None:
         self._given = given
         self.kinematics = kinematics
+        self._across: tuple[int, ...] = (2,) if m and _two_directions(given) else ()
         self.n = n
         self.m = m
         self.stiffness, self.damping = self._of("stiffness", (n, n)), self._of("damping", (n, n))
@@ -313,20 +317,29 @@ class Functions:
         """W_N (n, m)."""
         return self._of("normals", (self.n, self.m), q)
 
+    @property
+    def has_cones(self) -> bool:
+        """Whether contacts slide in planes, and not along lines."""
+        return bool(self._across)
+
     def tangents(self, q: FloatArray) -> FloatArray:
-        """W_T (n, m)."""
-        return self._of("tangents", (self.n, self.m), q)
+        """W_T (n, m), or (n, m, 2)."""
+        return self._of("tangents", (self.n, self.m, *self._across), q)
 
     def biases(self, q: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """w_N and w_T (m,) each."""
-        return self._bias("normal_bias", self.normals, q, u), self._bias("tangent_bias", self.tangents, q, u)
+        """w_N (m,) and w_T, (m,) or (m, 2)."""
+        normal = self._bias("normal_bias", self.normals, (self.m,), q, u)
+        return normal, self._bias("tangent_bias", self.tangents, (self.m, *self._across), q, u)
 
-    def _bias(self, name: str, w: Callable[[FloatArray], FloatArray], q: FloatArray, u: FloatArray) -> FloatArray:
+    def _bias(
+        self, name: str, w: Callable[[FloatArray], FloatArray], shape: tuple[int, ...], q: FloatArray, u: FloatArray
+    ) -> FloatArray:
         if getattr(self._given, name) is not None:
-            return self._of(name, (self.m,), q, u)
+            return self._of(name, shape, q, u)
         e = _difference_step(q, u)  # (d/dt W)^T u along the motion, by central differences
         moved = self.kinematics.moved
-        return np.asarray((w(moved(q, u, e)) - w(moved(q, u, -e))).T @ u / (2.0 * e))
+        change = w(moved(q, u, e)) - w(moved(q, u, -e))
+        return np.asarray(np.reshape(change.reshape(self.n, -1).T @ u / (2.0 * e), shape))
 
     def residual(self, t: float, q: FloatArray) -> FloatArray:
         """phi (r,)."""
@@ -353,6 +366,16 @@ class Functions:
         ahead = self.jacobian(t + e, after) @ u + self.rate(t + e, after)
         behind = self.jacobian(t - e, before) @ u + self.rate(t - e, before)
         return np.asarray((ahead - behind) / (2.0 * e))
+
+
+def _two_directions(given: UserSystem) -> bool:
+    """Whether W_T has two columns for each contact."""
+    tangents: Any = given.tangents
+    try:
+        start = np.array(given.q, dtype=float)
+        return np.ndim(tangents(start) if callable(tangents) else tangents) == 3
+    except Exception:  # said of what is wrong with it where it is asked for its values
+        return False
 
 
 def _difference_step(q: FloatArray, u: FloatArray) -> float:

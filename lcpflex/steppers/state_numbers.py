@@ -11,7 +11,7 @@ import numpy as np
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.kinematics.configuration import difference
-from lcpflex.model.layout import is_spatial, place_offsets
+from lcpflex.model.layout import PLANE, dimension, place_offsets
 from lcpflex.steppers.scales import Scales, absolute_tolerance, usual_state
 from lcpflex.steppers.system import System
 
@@ -60,7 +60,7 @@ def as_velocities(system: System, q: FloatArray, numbers: FloatArray) -> FloatAr
 def _share(system: System) -> FloatArray:
     """(nq,) by how much each number changes at most where that velocity moves it: quaternions by half of an angle."""
     share = np.ones(len(system.q))
-    if is_spatial(system.model):
+    if dimension(system.model.bodies) is not PLANE:
         for first in place_offsets(system.model.bodies)[:-1].tolist():
             share[first + 3 : first + 7] = 0.5
     return share

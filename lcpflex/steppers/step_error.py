@@ -22,7 +22,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import numbers_of, parts_of
 from lcpflex.kinematics.configuration import difference
 from lcpflex.model.arrays import Model
-from lcpflex.model.layout import PLANE, dimension, is_spatial
+from lcpflex.model.layout import PLANE, dimension
 from lcpflex.solvers.contact.memory import carried_over
 from lcpflex.steppers.rates import UNSTORED
 from lcpflex.steppers.recorder import FIELDS
@@ -158,7 +158,8 @@ class Sampling:
         self._scheme = scheme
         self._whole = whole  # steps of full length: of the others none is sampled
         system = scheme.system
-        measured = len(system.q) == len(system.u) or is_spatial(system.model)  # or a user's own numbers, of any meaning
+        in_space = dimension(system.model.bodies) is not PLANE
+        measured = len(system.q) == len(system.u) or in_space  # or a user's own numbers, of any meaning
         count = min(SAMPLES, (total - 1) // BLOCK) if measured else 0
         places = np.arange(count) + (0.5 + GOLDEN * np.arange(count)) % 1.0
         # never the first step: a sample is compared with the step before; each ends before the next one

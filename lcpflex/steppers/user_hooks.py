@@ -7,7 +7,7 @@ import numpy as np
 from lcpflex.dynamics import mechanics
 from lcpflex.dynamics.user_mechanics import Mechanics
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.jit.dispatch import Hooks
+from lcpflex.jit.dispatch import Hooks, Kernel
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Model
 from lcpflex.steppers import runge_kutta
@@ -17,9 +17,9 @@ __all__ = ["hooks_of_steps"]
 
 
 def hooks_of_steps(system: Mechanics, known: Hooks) -> Hooks:
-    """Replacements beside the ``known`` ones of its mechanics; none where qdot = u."""
+    """Replacements beside the ``known`` ones of its mechanics; none where qdot = u and contacts are planar."""
     if not system.kinematics.own:
-        return {}
+        return _without_bodies(system) if system.has_cones else {}
     forces = known[mechanics.forces]
     asked_at = [0.0]
 
@@ -27,7 +27,7 @@ def hooks_of_steps(system: Mechanics, known: Hooks) -> Hooks:
         asked_at[0] = t
         forces(model, t, q, u, work)
 
-    def turn_on(model: Model, passes: int, h: float, u: FloatArray, work: Workspace) -> None:
+    def turn_on(model: Model, passes: int, h: float, u: FloatArray, work: Workspace) -> bool:
         # such forces at the velocity before a step, as omega x J omega, gain energy in each step
         t, q = asked_at[0], work.middle
         before = system.force(t, q, u)
@@ -41,6 +41,13 @@ def hooks_of_steps(system: Mechanics, known: Hooks) -> Hooks:
             known[mechanics.solve_vector](model, work, change)
             work.free_u += change
             before = after
+        return True
+
+    return {mechanics.forces: forces_noted, step.turn_on: turn_on, runge_kutta.add_errors: _add_errors(system)}
+
+
+def _add_errors(system: Mechanics) -> Kernel:
+    """What adds the errors of a Runge-Kutta step, as velocities."""
 
     def add_errors(model: Model, y: FloatArray, slopes: FloatArray, h: float, sums: FloatArray) -> None:
         nq, nu = system.kinematics.nq, system.n
@@ -48,4 +55,13 @@ def hooks_of_steps(system: Mechanics, known: Hooks) -> Hooks:
         sums[0] += np.abs(system.kinematics.velocity(y[:nq], error[:nq]))
         sums[1] += np.abs(error[nq:])
 
-    return {mechanics.forces: forces_noted, step.turn_on: turn_on, runge_kutta.add_errors: add_errors}
+    return add_errors
+
+
+def _without_bodies(system: Mechanics) -> Hooks:
+    """What kernels of space would do to bodies, of which such a system has none."""
+
+    def turn_on(model: Model, passes: int, h: float, u: FloatArray, work: Workspace) -> bool:
+        return True
+
+    return {step.turn_on: turn_on, runge_kutta.add_errors: _add_errors(system)}

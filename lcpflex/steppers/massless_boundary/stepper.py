@@ -282,15 +282,15 @@ def _elastic(system: System) -> IntArray:
 
 def _refuse(system: System) -> None:
     """Raise ModelError for what the scheme cannot be asked."""
-    if is_spatial(system.model):
-        raise ModelError(
-            "stepper: MasslessBoundary was given for a SpatialScene; it is made for contacts of flexible bodies, and "
-            "spatial scenes take none so far; expected MoreauJean, GeneralizedAlpha, EventDriven or Smooth"
-        )
     if system.dense:
         raise ModelError(
             "stepper: MasslessBoundary was given for a user's own system, which has no modes that could give way; "
             "expected MoreauJean or EventDriven"
+        )
+    if is_spatial(system.model):
+        raise ModelError(
+            "stepper: MasslessBoundary was given for a SpatialScene; it is made for contacts of flexible bodies, and "
+            "spatial scenes take none so far; expected MoreauJean, GeneralizedAlpha, EventDriven or Smooth"
         )
     contacts = system.model.contacts
     for name in ("restitution", "tangential_restitution"):
