@@ -176,8 +176,7 @@ class System:
         room = sufficient_capacity(contacts, rows) if capacity is None else capacity
         in_space = is_spatial(self.model)
         made = compliant_contacts(rows, history, dof, self.pattern, self.n_surfaces, arrow, dense, room, in_space)
-        if in_space:
-            _tell_sides(made.table, contacts)
+        self.tell_surfaces(made.table)
         return made
 
     def workspace(
