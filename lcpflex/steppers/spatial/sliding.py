@@ -14,6 +14,7 @@ from typing import Any
 from lcpflex.contact.narrow_phase.feature import foot_margin, node_margin
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.contact.spatial.pairs import contact_point
+from lcpflex.contact.spatial.table import side_of
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.spatial.acceleration import BEGINS, FAST, SLIDING, SLOW, across, keep_direction, slip_of
 from lcpflex.dynamics.spatial.inertia import SpatialWork
@@ -25,7 +26,7 @@ from lcpflex.solvers.contact.index_sets import SMOOTH, STICKING
 from lcpflex.steppers.event_driven.memory import CONE, PRESSURE, SLIDING as SLIDES, SPAN, EventSettings
 from lcpflex.steppers.event_driven.segment import FORCE_TOLERANCE
 from lcpflex.steppers.recorder import Recorder
-from lcpflex.steppers.spatial.records import note_spatial_contact, side_of
+from lcpflex.steppers.spatial.records import note_spatial_contact
 
 __all__ = [
     "add_rates",
