@@ -17,7 +17,13 @@ import scipy.sparse
 from lcpflex.basics.hdf5 import h5py_for, whole_hdf5
 from lcpflex.errors import ModelError, path_of
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.solvers.contact.condensation import condensed, contact_problem, multiplied_out, planar_rows
+from lcpflex.solvers.contact.condensation import (
+    condensed,
+    condensed_sparse,
+    contact_problem,
+    multiplied_out,
+    planar_rows,
+)
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 
@@ -34,9 +40,10 @@ GLOBAL = "/fclib_global with M, H, vectors/f, vectors/w, vectors/mu, spacedim"
 def load_fclib(path: str | os.PathLike[str]) -> ContactProblem | SpatialContactProblem:
     """The problem of an FCLIB HDF5 file: in the plane or in space.
 
-    Of a global problem the motion of the bodies, with their joints, is eliminated by a dense factorisation. Needs h5py.
-    Raises ModelError without it, for a damaged file, for bodies whose equations are singular, for rolling friction, and
-    for matrices of more than a million rows, of global ones of more than 8000. The W of a local problem stays sparse.
+    Of a global problem the motion of the bodies, with their joints, is eliminated by a dense factorisation, beyond 8000
+    rows by a sparse one. Needs h5py. Raises ModelError without it, for a damaged file, for bodies whose equations are
+    singular, for rolling friction, for matrices of more than a million rows, and for global problems with joints of
+    more than 8000. The W of a local problem stays sparse.
 
     path: of the file.
     """
@@ -92,24 +99,28 @@ def _local(group: Any) -> tuple[Any, FloatArray, FloatArray, int]:
     return W, _vector(group, "q"), _vector(group, "mu"), _whole(group, "spacedim")
 
 
-def _global(group: Any) -> tuple[FloatArray, FloatArray, FloatArray, int]:
-    """The same of a global problem, its bodies eliminated."""
-    M, H = _dense(group, "M"), _dense(group, "H")
+def _global(group: Any) -> tuple[Any, FloatArray, FloatArray, int]:
+    """The same of a global problem, its bodies eliminated: by sparse factors beyond LARGEST rows, where W is sparse."""
+    M, H = _matrix(group, "M"), _matrix(group, "H")
     f, w, mu = (_vector(group, key) for key in ("f", "w", "mu"))
-    n, m = len(M), H.shape[1]
+    n, m = M.shape[0], H.shape[1]
     if M.shape != (n, n) or H.shape != (n, m) or f.shape != (n,) or w.shape != (m,):
         raise ModelError(
             f"M has shape {M.shape}, H {H.shape}, f {f.shape} and w {w.shape}: expected (n, n), (n, m), (n,), (m,)"
         )
     G = b = None
     if "G" in group:
-        G, b = _dense(group, "G"), _vector(group, "b")
+        G, b = _matrix(group, "G"), _vector(group, "b")
         if G.shape != (n, len(b)):
             raise ModelError(f"G has shape {G.shape} and b {b.shape}: expected ({n}, p) and (p,)")
-    for key, values in (("M", M), ("H", H), ("f", f), ("w", w), ("G", G), ("b", b)):
+    for key, values in (("M", M.data), ("H", H.data), ("f", f), ("w", w), ("G", getattr(G, "data", None)), ("b", b)):
         if values is not None and not np.isfinite(values).all():
             raise ModelError(f"{key} holds NaN or inf: expected finite numbers")
-    return *condensed(M, H, f, w, G, b), mu, _whole(group, "spacedim")
+    dimension = _whole(group, "spacedim")
+    if n > LARGEST and G is None:
+        return *condensed_sparse(M, H, f, w), mu, dimension
+    dense = _dense("M", M), _dense("H", H), f, w, None if G is None else _dense("G", G), b
+    return *condensed(*dense), mu, dimension
 
 
 def _whole(group: Any, key: str) -> int:
@@ -127,9 +138,8 @@ def _vector(group: Any, key: str) -> FloatArray:
     return np.asarray(values, dtype=float).ravel()
 
 
-def _dense(owner: Any, name: str) -> FloatArray:
+def _dense(name: str, matrix: Any) -> FloatArray:
     """A matrix of at most LARGEST rows as an array."""
-    matrix = _matrix(owner, name)
     if max(matrix.shape) > LARGEST:
         rows, columns = matrix.shape
         raise ModelError(

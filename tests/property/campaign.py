@@ -111,12 +111,13 @@ def _name(line: dict[str, Any]) -> str:
 
 
 def write(text: str) -> None:
-    """Put the summary into ACCURACY.md, in the place of an older one."""
+    """Put the summary into ACCURACY.md, in the place of an older one; what stands behind that is kept."""
     import lcpflex
 
     path = Path(lcpflex.__file__).parent / "ACCURACY.md"
-    kept = path.read_text(encoding="utf-8").split(CAMPAIGN)[0].rstrip()
-    path.write_text(f"{kept}\n\n{CAMPAIGN}\n\n{text}\n", encoding="utf-8")
+    before, _, older = path.read_text(encoding="utf-8").partition(CAMPAIGN)
+    _, found, behind = older.partition("\n## ")
+    path.write_text(f"{before.rstrip()}\n\n{CAMPAIGN}\n\n{text}\n{found}{behind}", encoding="utf-8")
 
 
 def main() -> None:

@@ -303,6 +303,23 @@ class TestFclib:
         assert found.dense() == pytest.approx(np.diag([0.5, 1 / 3]), abs=1e-15)
         assert Lemke().solve(found).solved
 
+    def test_many_bodies_are_eliminated_by_sparse_factors(self, tmp_path, monkeypatch):
+        """Where there are too many for a dense matrix: the same problem; with joints it is refused."""
+        from lcpflex.solvers import load_fclib
+        from lcpflex.solvers.benchmark import fclib
+
+        path = self._global(tmp_path / "x.hdf5", joints=False, M=np.array([[2.0, 0.3, 0], [0.3, 3.0, 0], [0, 0, 1.0]]))
+        dense = load_fclib(path)
+        monkeypatch.setattr(fclib, "LARGEST", 2)
+        found = load_fclib(path)
+        np.testing.assert_allclose(found.dense(), dense.dense(), rtol=1e-15)
+        np.testing.assert_allclose(found.free, dense.free, rtol=1e-15)
+        assert found.dense()[0, 1] < -0.05
+        with pytest.raises(ModelError, match="M is singular"):
+            load_fclib(self._global(tmp_path / "z.hdf5", joints=False, M=np.ones((3, 3))))
+        with pytest.raises(ModelError, match="M has 3 rows and 3 columns: expected at most 2, as it becomes dense"):
+            load_fclib(self._global(tmp_path / "y.hdf5"))
+
     @pytest.mark.parametrize(
         ("change", "words"),
         [

@@ -1,74 +1,21 @@
 """The spatial problems with Siconos' own tests: small ones are kept here, the others need a copy of its folder.
 
 SICONOS_DATA is `numerics/src/FrictionContact/test/data` of <https://github.com/siconos/siconos>; where it is not set
-the large ones are skipped. `pytest -m slow -s` prints the table: name, contacts, residuals, time.
+the large ones are skipped. All are named in `tests/siconos_in_space.py`, which prints the table of ACCURACY.md.
 """
 
 import os
 from pathlib import Path
-from time import perf_counter
 
-import numpy as np
 import pytest
 
-from lcpflex.solvers import AlartCurnier, SpatialContactProblem, Status, load_fclib, load_siconos_contacts
+import lcpflex
+from lcpflex.solvers import AlartCurnier, Auto, Status
+from tests.siconos_in_space import CONTACTS, HARD, answered, load, siconos_residual
 
 KEPT = Path(__file__).parent / "siconos" / "space"
 FOLDER = os.environ.get("SICONOS_DATA", "")
-HARD = "RockPile_tob1.dat"  # 463 contacts, 743 of 1389 rows independent, friction 1
-CONTACTS = {
-    "Box_Stacks-i0122-82-5.hdf5": 82,
-    "BoxesStack1-i100000-32.hdf5.dat": 52,
-    "Capsules-i100-1090.dat": 276,
-    "Capsules-i100-889.dat": 276,
-    "Capsules-i101-404.dat": 225,
-    "Capsules-i103-990.dat": 275,
-    "Capsules-i122-1617.dat": 296,
-    "Capsules-i125-1213.hdf5": 286,
-    "Confeti-ex03-Fc3D-SBM.dat": 54,
-    "Confeti-ex13-4contact-Fc3D-SBM.dat": 4,
-    "Confeti-ex13-Fc3D-SBM.dat": 107,
-    "FC3D_Example1.dat": 3,
-    "FC3D_Example1_SBM.dat": 3,
-    "FrictionContact3D_1c.dat": 1,
-    "FrictionContact3D_RR_1c.dat": 1,
-    "GFC3D_Example0.dat": 1,
-    "GFC3D_Example00.dat": 1,
-    "GFC3D_Example00_badly_scaled.dat": 1,
-    "GFC3D_Example0_SBM.dat": 1,
-    "GFC3D_Example1.dat": 1,
-    "GFC3D_OneContact.dat": 1,
-    "GFC3D_TwoRods1-condensed.dat": 3,
-    "GFC3D_TwoRods1.dat": 3,
-    "KaplasTower-i1061-4.hdf5.dat": 570,
-    "LMGC_100_PR_PerioBox-i00361-60-03000.hdf5": 60,
-    "NESpheres_10_1.dat": 9,
-    "NESpheres_30_1.dat": 44,
-    "OneObject-i100000-316.hdf5.dat": 25,
-    "OneObject-i100000-499.hdf5.dat": 24,
-    "OneObject-i1028-138.hdf5.dat": 23,
-    "Rover1039.dat": 4,
-    "Rover1040.dat": 5,
-    "Rover1041.dat": 5,
-    "Rover11035.dat": 1,
-    "Rover11211.dat": 1,
-    "Rover3865.dat": 5,
-    "Rover4144.dat": 4,
-    "Rover4396.dat": 2,
-    "Rover4493.dat": 4,
-    "Rover4516.dat": 4,
-    "Rover4609.dat": 5,
-    "Rover4613.dat": 5,
-    "Rover4622.dat": 4,
-    "Rover9770.dat": 5,
-    "spheres-in-a-box-98-i10000-256-10.hdf5": 256,
-}
-
-
-def load(path):
-    problem = load_fclib(path) if path.suffix == ".hdf5" else load_siconos_contacts(path)
-    assert isinstance(problem, SpatialContactProblem)
-    return problem
+SOLVED = ("SOLVED", "NOT_UNIQUE")
 
 
 def folder():
@@ -77,55 +24,64 @@ def folder():
     return Path(FOLDER)
 
 
-def siconos_residual(problem, forces):
-    """|r - P_K(r - rho (u + mu |u_T| n))| / |q|, rho = 1: the natural map of Siconos, in the units of the file."""
-    u, r, mu = problem.velocity(forces).reshape(-1, 3), forces.reshape(-1, 3), problem.friction
-    x = r - u
-    x[:, 0] -= mu * np.hypot(u[:, 1], u[:, 2])
-    slip = np.hypot(x[:, 1], x[:, 2])
-    normal = np.where(mu * slip <= -x[:, 0], 0.0, (x[:, 0] + mu * slip) / (1.0 + mu * mu))
-    shrink = mu * normal / np.maximum(slip, 1e-300)
-    edge = np.column_stack([normal, x[:, 1] * shrink, x[:, 2] * shrink])
-    nearest = np.where((slip <= mu * x[:, 0])[:, None], x, edge)
-    return np.linalg.norm(r - nearest) / np.linalg.norm(problem.free)
-
-
+@pytest.mark.parametrize("solver", [AlartCurnier(), Auto(tolerance=1e-13)], ids=lambda solver: type(solver).__name__)
 @pytest.mark.parametrize("path", sorted(KEPT.glob("*.dat")), ids=lambda path: path.name)
-def test_those_that_are_kept(path):
-    problem = load(path)
-    assert len(problem.friction) == CONTACTS[path.name]
-    found = AlartCurnier().solve(problem)
+def test_those_that_are_kept(path, solver):
+    problem = load(KEPT, path.name)
+    found = solver.solve(problem)
     assert found.solved
     assert found.strict <= 1e-12
     assert siconos_residual(problem, found.z) <= 1e-10
 
 
+def test_the_residual_of_siconos_tells_solutions_from_others():
+    problem = load(KEPT, "Rover1040.dat")
+    forces = Auto(tolerance=1e-13).solve(problem).z
+    assert siconos_residual(problem, forces) < 1e-12
+    assert siconos_residual(problem, 1.001 * forces) > 1e-6
+    assert siconos_residual(problem, 0.0 * forces) > 1e-3
+
+
+def test_the_table_names_them_all():
+    text = (Path(lcpflex.__file__).parent / "ACCURACY.md").read_text(encoding="utf-8")
+    section = text.partition("## Contact problems in space that Siconos ships")[2].partition("\n## ")[0]
+    told = [[cell.strip() for cell in line.split("|")[1:5]] for line in section.splitlines() if line.startswith("| ")]
+    assert {cells[0]: cells[2] for cells in told[1:]} == {name: str(count) for name, count in CONTACTS.items()}
+    assert [cells[0] for cells in told[1:] if cells[3] not in SOLVED] == [HARD]
+
+
 @pytest.mark.slow
-def test_all_but_the_hardest_within_two_minutes():
-    place = folder()
-    spent, missed = 0.0, []
-    print()
-    for name, contacts in CONTACTS.items():
-        problem = load(place / name)
-        assert len(problem.friction) == contacts
-        began = perf_counter()
-        found = AlartCurnier().solve(problem)
-        seconds = perf_counter() - began
-        spent += seconds
-        theirs = siconos_residual(problem, found.z)
-        print(
-            f"{name:42s} {contacts:4d} {found.residual:8.1e} {found.strict:8.1e} {theirs:8.1e} {1e3 * seconds:9.2f} ms"
-        )
-        if not (found.solved and found.strict <= 1e-10):
-            missed.append(name)
-    print(f"{len(CONTACTS)} problems, {spent:.1f} s")
+def test_the_default_solver_solves_all_but_the_hardest_within_two_minutes():
+    """To 1e-10 in the measure of the library; in that of Siconos, whose rounding is up to 1e-10 there, most of them."""
+    place, spent, missed, near = folder(), 0.0, [], 0
+    for name in CONTACTS:
+        if name != HARD:
+            one = answered(load(place, name), name, Auto())
+            spent += one.seconds
+            near += one.theirs <= 1e-10 and one.strict <= 1e-10
+            if not (one.status in SOLVED and one.residual <= 1e-10):
+                missed.append(one)
     assert missed == []
+    assert near >= 40
     assert spent <= 120.0
+
+
+@pytest.mark.slow
+def test_newtons_method_solves_them_too():
+    place, missed = folder(), []
+    for name in CONTACTS:
+        if name != HARD:
+            one = answered(load(place, name), name, AlartCurnier())
+            if not (one.status in SOLVED and one.strict <= 1e-10):
+                missed.append(one)
+    assert missed == []
 
 
 @pytest.mark.campaign
 def test_the_hardest_is_told_as_it_is():
-    problem = load(folder() / HARD)
-    found = AlartCurnier().solve(problem)
-    assert found.status in (Status.SOLVED, Status.INACCURATE)
-    assert found.residual <= 1e-7
+    problem = load(folder(), HARD)
+    for solver in (Auto(), AlartCurnier()):
+        found = solver.solve(problem)
+        assert found.status in (Status.SOLVED, Status.INACCURATE)
+        assert found.solved == (found.residual <= 1e-10)
+        assert found.residual <= 1e-7

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -75,3 +76,21 @@ def test_problems_are_told() -> None:
     assert len(told) > 30
     assert {size for size, _ in told} >= {3, 9}
     assert max(residual for _, residual in told) <= 1e-9
+
+
+def test_recorded_problems_are_replayed(tmp_path: Path) -> None:
+    """What a run met comes back from its file and is solved alike by all solvers of its model."""
+    path = tmp_path / "met.npz"
+    lf.simulate(sliding_balls(), 0.02, lf.MoreauJean(step=STEP), record_problems=lf.RecordProblems(path, every=5))
+    met = lf.solvers.load_problems(path)
+    assert len(met) >= 4
+    assert all(isinstance(one.problem, lf.solvers.SpatialContactProblem) for one in met)
+    assert all(one.problem.keys for one in met)
+    solvers = {"Auto": lf.solvers.Auto(), "Newton": lf.solvers.AlartCurnier(), "facets": lf.solvers.FacetedCone()}
+    replayed = lf.solvers.replay(met, solvers, repeats=1, warm=True)
+    rows = {row.solver: row for row in replayed.rows}
+    assert not replayed.contradictory
+    assert rows["Auto"].solved == rows["Newton"].solved == len(met)
+    assert rows["Newton"].other_motion == 0
+    assert rows["facets"].model == "friction cone of 8 facets"
+    assert np.isinf(replayed.times[2]).all()
