@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from lcpflex.dynamics.islands import Islands, islands
 from lcpflex.dynamics.joint_factor import JointFactor, JointPattern, joint_factor
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import allocate, array, spatial, struct
+from lcpflex.solvers.contact.cones.large.memory import large_cones
 from lcpflex.solvers.contact.cones.memory import cone_data, cone_memory, remembered_cones
 from lcpflex.solvers.contact.large.memory import BodyContacts, LargeMemory, grown, large_memory
 from lcpflex.solvers.contact.memory import ContactData, Remembered, SolverMemory, contact_data, prepare
@@ -147,7 +148,7 @@ def workspace(
         "dense": each * dense,
         "bodies": len(dof) - 1,
     }
-    most = 0 if before is None or in_space else max(before.largest, capacity // 2)  # room is twice what is needed
+    most = 0 if before is None else max(before.largest, capacity // 2)  # room is twice what is needed
     large = before is not None and most > before.dense_limit
     sizes["white"] = sizes["rows"] if large else 0
     shared = {
@@ -176,7 +177,7 @@ def workspace(
         joints=joints,
         islands=islands(len(dof) - 1, capacity, n_joint),
         large=_large(sizes, dof=dof, **shared),
-        large_solver=_large_solver(sizes, before),
+        large_solver=_large_solver(sizes, before, in_space),
         dense_limit=before.dense_limit if before else NO_LIMIT,
         strict_large=before.strict_large if before else 0,
         most=before.most if before else 0,
@@ -194,10 +195,14 @@ def _large(sizes: dict[str, int], **shared: Any) -> BodyContacts:
     return allocate(BodyContacts, own, first_contact=sizes["joints"], **shared)
 
 
-def _large_solver(sizes: dict[str, int], before: Workspace | None) -> LargeMemory:
+def _large_solver(sizes: dict[str, int], before: Workspace | None, in_space: bool) -> LargeMemory:
     """Its memory; what one before it knows and wants goes on."""
     room = 1 if sizes["white"] else 0
     units, bodies = room * (sizes["contacts"] + sizes["joints"]), room * sizes["bodies"]
+    known: Any = before.large_solver if before else None
+    if in_space:
+        own: Any = large_cones(sizes, units, bodies, known)
+        return cast(LargeMemory, own)
     if before is None:
         return large_memory(sizes["bodies"], units, 0, bodies, sizes["width"])
     return grown(before.large_solver, {"units": units, "bodies": bodies})

@@ -20,7 +20,8 @@ from lcpflex.basics.lengths import lengths
 from lcpflex.contact.narrow_phase.feature import SEGMENT
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.model.layout import dimension, place_offsets
+from lcpflex.jit.struct import pack
+from lcpflex.model.layout import dimension, is_spatial, place_offsets
 from lcpflex.steppers.records import Records
 from lcpflex.steppers.step_error import ORDER, Units, ranges_of
 
@@ -50,6 +51,8 @@ def stated_errors(
     q, u = data["q"], data["u"]
     if not (len(q) and np.isfinite(q).all() and np.isfinite(u).all()):
         return None, None
+    if is_spatial(model):  # kernels of space go by the name of a struct, which a model put together anew has not
+        model = pack(model)
     units = Units(model, u.shape[1])
     if units.own and q.shape[1] != u.shape[1]:  # what errors of its numbers mean is not known
         return None, None

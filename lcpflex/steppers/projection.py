@@ -21,7 +21,7 @@ from lcpflex.solvers.contact.compiled import solve_normals
 from lcpflex.solvers.contact.large.solving import ROOM, solve_large
 from lcpflex.steppers.recorder import Recorder
 
-__all__ = ["project_contacts", "project_joints"]
+__all__ = ["begin_lift", "end_lift", "project_contacts", "project_joints"]
 
 
 @kernel
@@ -141,9 +141,20 @@ def lift_large_island(model: Model, work: Workspace, i: int, m: int, q: FloatArr
 
     The right-hand side and the impulses of the step come back, and the residual that the next step looks back to.
     """
-    large, solver, aside, first = work.large, work.large_solver, work.aside, work.n_joint
+    solver = work.large_solver
     strict, residual = solver.strict, solver.residual
     describe_island(work, i)
+    begin_lift(work, m)
+    solved = solve_large(work.large, solver) != ROOM  # as far as it goes: the rest is for the next step
+    end_lift(model, work, m, solved, q)
+    solver.strict, solver.residual = strict, residual
+    return solved
+
+
+@kernel
+def begin_lift(work: Workspace, m: int) -> None:
+    """The problem of the m contacts ``work.closed`` of the large island described; what it replaces is kept aside."""
+    large, aside, first = work.large, work.aside, work.n_joint
     for c in range(m):
         large.normal_row[c] = large.normal_row[work.closed[c]]
         large.tangent_row[c] = -1
@@ -156,7 +167,12 @@ def lift_large_island(model: Model, work: Workspace, i: int, m: int, q: FloatArr
         if r < m:
             aside[r, 2] = work.terms[row - first]
             work.terms[row - first] = 0.0
-    solved = solve_large(large, solver) != ROOM  # as far as it goes: the rest is for the next step
+
+
+@kernel
+def end_lift(model: Model, work: Workspace, m: int, solved: bool, q: FloatArray) -> None:
+    """Move q by the lifts found, if they are; what :func:`begin_lift` has put aside comes back."""
+    large, aside, first = work.large, work.aside, work.n_joint
     for r in range(m + large.n_joints):
         row = large.normal_row[r] if r < m else large.joint_row[r - m]
         if solved:
@@ -164,5 +180,3 @@ def lift_large_island(model: Model, work: Workspace, i: int, m: int, q: FloatArr
         work.p[row], work.free[row] = aside[r, 0], aside[r, 1]
         if r < m:
             work.terms[row - first] = aside[r, 2]
-    solver.strict, solver.residual = strict, residual
-    return solved

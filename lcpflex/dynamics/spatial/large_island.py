@@ -1,8 +1,10 @@
-"""Islands of many contacts in space."""
+"""Islands of many contacts in space: their rows for :mod:`lcpflex.solvers.contact.cones.large`."""
 
 from __future__ import annotations
 
+from lcpflex.dynamics.large_island import is_large
 from lcpflex.dynamics.spatial.inertia import SpatialWork
+from lcpflex.dynamics.spatial.mechanics import whiten_rows
 from lcpflex.jit.kernel import kernel
 from lcpflex.model.spatial import SpatialModel
 
@@ -11,4 +13,8 @@ __all__ = ["prepare_large"]
 
 @kernel
 def prepare_large(model: SpatialModel, work: SpatialWork) -> None:
-    """Nothing is prepared: rows are taken as they are."""
+    """Rows by L^-1 where there are large islands."""
+    for i in range(work.islands.count):
+        if is_large(work, i) and len(work.white) > 0:
+            whiten_rows(model, work, 0, work.n_joint + work.n_contacts + work.n_tangents)
+            return

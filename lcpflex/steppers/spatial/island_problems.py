@@ -1,6 +1,8 @@
 """The contact problems of a step in space, one for each island, solved one after the other.
 
-Without joints in the velocities of its bodies; with joints, or by a solver of the user's, as one dense problem.
+Without joints in the velocities of its bodies, by sweeps; with joints, or by a solver of the user's, as one dense
+problem. Of many contacts, with joints or where sweeps crawl, by Newton's method in the velocities of bodies
+(:mod:`lcpflex.solvers.contact.cones.large`).
 """
 
 from __future__ import annotations
@@ -8,22 +10,26 @@ from __future__ import annotations
 import math
 
 from lcpflex.dynamics.contact_problem import fits
-from lcpflex.dynamics.spatial.cone_sweeps import sweep_island
+from lcpflex.dynamics.large_island import describe_island as describe_bodies, is_large
+from lcpflex.dynamics.spatial.cone_sweeps import judge_island, sweep_island
 from lcpflex.dynamics.spatial.contact_problem import describe_island, has_joints, pose_island, take_forces
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.least_cones import shorten_island
 from lcpflex.jit.kernel import kernel
-from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, SWEEPS, solve_cones
+from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, solve_cones
+from lcpflex.solvers.contact.cones.large.solving import ROOM, solve_large_cones
 from lcpflex.solvers.contact.cones.memory import NOTHING_KNOWN, POSED
 from lcpflex.solvers.contact.cones.recollection import keep_force, known_force
+from lcpflex.solvers.contact.large.fronts import lacks_room
 from lcpflex.solvers.contact.recollection import place_of, turn_over
+from lcpflex.solvers.status import SOLVED
 from lcpflex.steppers.island_problems import tell_island
 from lcpflex.steppers.recorder import Recorder, note_certificate
 from lcpflex.steppers.status import RunStatus
 
 __all__ = ["shorten_forces", "solve_island", "solve_islands"]
 
-LAST_WORD = 200  # contacts of the largest island that is posed densely where sweeps have failed
+LAST_WORD = 128  # contacts of the largest island that is posed densely where another way has failed
 
 
 @kernel
@@ -93,21 +99,48 @@ def solve_in_bodies(work: SpatialWork, i: int) -> bool:
     """Island i in the velocities of its bodies, from the forces ``work.p``; whether they are good enough."""
     memory = work.solver
     n = work.islands.start[i + 1] - work.islands.start[i]
-    yes = n >= 0  # a literal would have it compiled once more
     describe_island(work, i)
     memory.size, memory.iterations = 3 * n, 0.0
-    if sweep_island(work, i, FIRST_SWEEPS, not yes):
-        return True
-    return n > LAST_WORD and sweep_island(work, i, SWEEPS, yes)
+    return sweep_island(work, i, FIRST_SWEEPS, n < 0)  # a literal would have it compiled once more
+
+
+@kernel
+def begin_joints(work: SpatialWork, warm: bool) -> None:
+    """Forces of joint rows to begin from: those of the last step, or none."""
+    for r in range(work.n_joint):
+        work.p[r] = work.recalled[r] if warm else 0.0
+
+
+@kernel
+def solve_large(work: SpatialWork, i: int, warm: bool) -> int:
+    """Island i, of many contacts, by Newton's method from the forces ``work.p``: DONE, GROW or SOLVER_FAILED."""
+    large, memory = work.large_solver, work.solver
+    n = work.islands.start[i + 1] - work.islands.start[i]
+    work.largest = max(work.largest, n)
+    if len(work.white) == 0 or lacks_room(large.factor):  # the latter, where sunk contacts were to be lifted
+        return RunStatus.GROW
+    describe_bodies(work, i)
+    begin_joints(work, warm)
+    large.tolerance = memory.tolerance
+    status = solve_large_cones(work.large, memory.slip, large)
+    if status == ROOM:
+        return RunStatus.GROW
+    memory.size, memory.iterations = 3 * n, memory.iterations + large.sweeps + large.factors
+    if has_joints(work, i):
+        memory.residual, memory.strict = large.residual, large.strict
+        return RunStatus.DONE if status == SOLVED else RunStatus.SOLVER_FAILED
+    describe_island(work, i)
+    judge_island(work, i)
+    return RunStatus.DONE if memory.residual <= memory.tolerance else RunStatus.SOLVER_FAILED
 
 
 @kernel
 def go_on(work: SpatialWork, i: int, solved: bool, recorder: Recorder) -> int:
     """Note how island i was solved; an island of many contacts that was not is an error, or is gone on with."""
     if not solved:
+        large = work.large_solver
         work.large.n_contacts = work.islands.start[i + 1] - work.islands.start[i]
-        work.large_solver.sweeps = int(work.solver.iterations)
-        work.large_solver.residual, work.large_solver.strict = work.solver.residual, work.solver.strict
+        large.residual, large.strict = work.solver.residual, work.solver.strict
         if work.strict_large == 1:
             work.unsolved_large = 1
             return RunStatus.SOLVER_FAILED
@@ -137,14 +170,19 @@ def solve_island(work: SpatialWork, i: int, tolerance: float, warm: bool, record
     warm: from what contacts did in the last step.
     """
     memory, islands = work.solver, work.islands
+    n = islands.start[i + 1] - islands.start[i]
     memory.tolerance = tolerance
     if memory.known == NOTHING_KNOWN:
         begin_island(work, i, warm)
-        posed = memory.method == POSED or work.lifted == 1 or has_joints(work, i)
-        if not posed:
-            solved = solve_in_bodies(work, i)
-            if solved or islands.start[i + 1] - islands.start[i] > LAST_WORD:
-                return go_on(work, i, solved, recorder)
+        if memory.method != POSED and work.lifted == 0:
+            if not has_joints(work, i) and solve_in_bodies(work, i):
+                return go_on(work, i, n >= 0, recorder)
+            if is_large(work, i):
+                status = solve_large(work, i, warm)
+                if status == RunStatus.GROW:
+                    return status
+                if status == RunStatus.DONE or n > LAST_WORD:
+                    return go_on(work, i, status == RunStatus.DONE, recorder)
     status = solve_posed(work, i, tolerance)
     if status == RunStatus.DONE:
         note_certificate(work, recorder)

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from lcpflex.dynamics.large_island import describe_island as describe_bodies, is_large
 from lcpflex.dynamics.spatial.cone_sweeps import push, speeds
 from lcpflex.dynamics.spatial.contact_problem import describe_island, has_joints, pose_island
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.mechanics import displace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.spatial import SpatialModel
+from lcpflex.solvers.contact.cones.large.solving import ROOM, solve_large_cones
+from lcpflex.steppers.projection import begin_lift, end_lift
 
 __all__ = ["lift_island"]
 
@@ -36,6 +41,10 @@ def lift_island(model: SpatialModel, work: SpatialWork, i: int, q: FloatArray) -
         return False
     strict, residual = work.solver.strict, work.solver.residual
     held = has_joints(work, i)
+    if held and is_large(work, i):
+        lifted = lift_in_bodies(model, work, i, m, q)
+        work.solver.strict, work.solver.residual = strict, residual
+        return lifted
     if held:
         pose_island(work, i)
     else:
@@ -75,3 +84,18 @@ def lift_once(work: SpatialWork, i: int, m: int, held: bool) -> float:
             if not held:
                 push(work.solved, work.row_body, work.dof, r, -1, change, 0.0, 0.0, memory.change)
     return largest
+
+
+@kernel
+def lift_in_bodies(model: Any, work: SpatialWork, i: int, m: int, q: FloatArray) -> bool:
+    """Lift the m contacts ``work.closed`` of a large island, its joints held, by the solver of large islands.
+
+    Without friction, in place of impulses: these and the right-hand side of the step come back.
+    """
+    if len(work.white) == 0:
+        return False
+    describe_bodies(work, i)
+    begin_lift(work, m)
+    solved = solve_large_cones(work.large, work.solver.slip, work.large_solver) != ROOM  # as far as it goes
+    end_lift(model, work, m, solved, q)
+    return solved

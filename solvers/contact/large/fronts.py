@@ -8,6 +8,7 @@ beyond it. Source: Duff & Reid 1984 (unsymmetric sets of linear equations).
 from __future__ import annotations
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.solvers.contact.large.memory import LargeMemory, SparseFactor
 from lcpflex.solvers.semidefinite import dot
 
@@ -94,6 +95,7 @@ def begin_front(memory: LargeMemory, factor: SparseFactor, s: int) -> None:
         end += size[pool[e]]
 
 
+@in_space("lcpflex.solvers.contact.cones.large.fronts")
 @kernel
 def add_unit(memory: LargeMemory, factor: SparseFactor, k: int, width: int) -> None:
     """J_k^T C_k J_k to the front."""
