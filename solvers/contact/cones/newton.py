@@ -7,7 +7,9 @@ may lose against the last value if it wins against one of the last four. Where i
 
     W r + q + alpha (r - r_k)   instead of   W r + q,   r_k the last point,
 
-is solved: the smaller alpha, the nearer to the problem itself, and the harder. Alpha falls while that succeeds.
+is solved: the smaller alpha, the nearer to the problem itself, and the harder. Alpha falls while that succeeds, and is
+asked to fall more and more rarely where it does not. Points then drift along a line, by a thousandth of its length or
+less each: r_k is put ahead on it, twice as far each time, until that no longer succeeds or the residual grows.
 Sources: Alart & Curnier 1991; Acary, Bremond & Huber 2018 (comparison of solvers); Rockafellar 1976 (proximal points).
 """
 
@@ -33,6 +35,8 @@ HALVINGS = 12
 DESCENT = 1e-4  # share of the step that the function must fall by
 MEMORY = 4  # values one of which must be beaten
 FIRST_PULL, FALL, WEAKEST, STRONGEST_PULL = 0.1, 5.0, 1e-9, 10.0  # alpha: at first, how it changes, its bounds
+PATIENT = 16  # points at most with one alpha before a smaller one is tried again
+WORSE = 1.2  # growth of the residual at which a point was put too far ahead
 TRIED = 40  # Newton steps for one proximal point
 ENOUGH = 1e-3  # residual of a proximal point relative to that of the problem
 ROUNDING = 1e-13  # what is left of the function of a proximal point at best
@@ -49,6 +53,7 @@ class ConeWork(NamedTuple):
     point: FloatArray  # (m,) where Newton's method is
     trial: FloatArray  # (m,)
     centre: FloatArray  # (m,) r_k
+    base: FloatArray  # (m,) the last point, behind r_k
     best: FloatArray  # (m,)
     table: FloatArray  # (m, m) the Jacobian, if that is dense
     small: FloatArray  # (22,) two blocks and the last values
@@ -58,10 +63,10 @@ class ConeWork(NamedTuple):
 def cone_work(n: int, dense: bool = True) -> ConeWork:
     """Space for problems of n contacts; without that of a dense Jacobian if it is not to be ``dense``."""
     m = 3 * n
-    u, miss, step, point, trial, centre, best = np.zeros((7, m))
+    u, miss, step, point, trial, centre, base, best = np.zeros((8, m))
     side = m if dense else 0
     table, small, pivots = np.zeros((side, side)), np.zeros(18 + MEMORY), np.zeros(m, dtype=np.int64)
-    return ConeWork(np.ones((n, 2)), u, miss, step, point, trial, centre, best, table, small, pivots)
+    return ConeWork(np.ones((n, 2)), u, miss, step, point, trial, centre, base, best, table, small, pivots)
 
 
 @kernel
@@ -230,6 +235,14 @@ def newton(
 
 
 @kernel
+def _put_ahead(forces: FloatArray, share: float, m: int, work: ConeWork) -> None:
+    """work.base = forces, work.centre = forces + share (forces - the last base)."""
+    for i in range(m):
+        work.centre[i] = forces[i] + share * (forces[i] - work.base[i])
+        work.base[i] = forces[i]
+
+
+@kernel
 def proximal(
     W: FloatArray,
     free: FloatArray,
@@ -245,11 +258,14 @@ def proximal(
     Arrays as in :func:`newton`; forces: from where, and out the best point.
     """
     m, solved, alpha = 3 * n, 0, FIRST_PULL
+    ahead, before, wait, patience = 0.0, np.inf, 0, 1
     look(W, free, friction, n, 0.0, forces, work)
     least = distance(free, friction, n, forces, work)
     _copied(forces, m, work.best)
+    _copied(forces, m, work.base)
+    _copied(forces, m, work.centre)
     while least > tolerance and solved < limit and not expired():
-        _copied(forces, m, work.centre)
+        _copied(work.centre, m, forces)
         left, steps = newton(W, free, friction, n, alpha, forces, ROUNDING, min(TRIED, limit - solved), work)
         solved += max(steps, 1)
         look(W, free, friction, n, 0.0, forces, work)
@@ -258,11 +274,20 @@ def proximal(
         if residual < least and (reached or residual <= tolerance):
             least = residual
             _copied(forces, m, work.best)
-        if not reached:
-            _copied(work.centre, m, forces)
-            alpha = min(alpha * FALL, STRONGEST_PULL)
+        if not reached or (ahead > 0.0 and residual > WORSE * before):
+            if not reached:
+                if ahead == 0.0:
+                    alpha, patience = min(alpha * FALL, STRONGEST_PULL), min(2 * patience, PATIENT)
+                wait = patience
+            ahead, before = 0.0, np.inf
+            _copied(work.base, m, work.centre)
             continue
-        alpha = max(alpha / FALL, WEAKEST)
+        wait -= 1
+        further = 2.0 * ahead + 1.0 if before < np.inf else 0.0
+        if wait <= 0:
+            alpha, further, wait, residual = max(alpha / FALL, WEAKEST), 0.0, 0, np.inf
+        _put_ahead(forces, further / (1.0 + ahead), m, work)
+        ahead, before = further, residual
     _copied(work.best, m, forces)
     if least <= tolerance:
         _, steps = newton(W, free, friction, n, 0.0, forces, ROUNDING, POLISHING, work)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import lcpflex
-from lcpflex.solvers import AlartCurnier, Auto, Status
+from lcpflex.solvers import AlartCurnier, Auto
 from tests.siconos_in_space import CONTACTS, HARD, answered, load, siconos_residual
 
 KEPT = Path(__file__).parent / "siconos" / "space"
@@ -47,7 +47,7 @@ def test_the_table_names_them_all():
     section = text.partition("## Contact problems in space that Siconos ships")[2].partition("\n## ")[0]
     told = [[cell.strip() for cell in line.split("|")[1:5]] for line in section.splitlines() if line.startswith("| ")]
     assert {cells[0]: cells[2] for cells in told[1:]} == {name: str(count) for name, count in CONTACTS.items()}
-    assert [cells[0] for cells in told[1:] if cells[3] not in SOLVED] == [HARD]
+    assert [cells[0] for cells in told[1:] if cells[3] not in SOLVED] == []
 
 
 @pytest.mark.slow
@@ -78,10 +78,11 @@ def test_newtons_method_solves_them_too():
 
 
 @pytest.mark.campaign
-def test_the_hardest_is_told_as_it_is():
-    problem = load(folder(), HARD)
-    for solver in (Auto(), AlartCurnier()):
-        found = solver.solve(problem)
-        assert found.status in (Status.SOLVED, Status.INACCURATE)
-        assert found.solved == (found.residual <= 1e-10)
-        assert found.residual <= 1e-7
+@pytest.mark.parametrize("solver", [Auto(), AlartCurnier()], ids=lambda solver: type(solver).__name__)
+def test_the_hardest_is_solved(solver):
+    """Proximal points drift along lines of thousands of them: put ahead on these, they arrive within a minute."""
+    one = answered(load(folder(), HARD), HARD, solver)
+    assert one.status == "SOLVED"
+    assert one.residual <= 1e-10
+    assert one.theirs <= 1e-9
+    assert one.seconds <= 120.0
