@@ -5,9 +5,12 @@ The directions of its W_T are t1 and t2; as no axes of a world belong to them, t
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from lcpflex.contact import detection, rows as kinematics
+from lcpflex.contact.narrow_phase import feature
 from lcpflex.contact.spatial.table import SpatialContactTable
 from lcpflex.dynamics import mechanics
 from lcpflex.dynamics.spatial.inertia import SpatialWork
@@ -37,6 +40,9 @@ def cone_hooks(system: Mechanics) -> Hooks:
         model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int
     ) -> tuple[float, float, float]:
         return np.nan, np.nan, np.nan
+
+    def within_bounds(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> float:
+        return math.inf  # there are no features to leave: a contact is closed where its gap is
 
     def fill_contact_rows(model: SpatialModel, q: FloatArray, n: int, n_joint: int, work: SpatialWork) -> int:
         if n == 0:
@@ -68,6 +74,8 @@ def cone_hooks(system: Mechanics) -> Hooks:
     return {
         detection.detect: detect,
         kinematics.contact_point: contact_point,
+        feature.foot_margin: within_bounds,
+        feature.node_margin: within_bounds,
         mechanics.fill_contact_rows: fill_contact_rows,
         mechanics.contact_biases: contact_biases,
     }

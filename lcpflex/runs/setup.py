@@ -144,25 +144,11 @@ def _check_space(stepper: Stepper, system: System) -> None:
     """Refuse what contacts in space are not offered with yet: it would run, and be wrong."""
     if not is_spatial(system.model) or not len(system.model.contacts.friction):
         return
-    from lcpflex.steppers.event_driven.stepper import EventDriven
-
     if not getattr(stepper, "takes_spatial_contacts", False):
         raise ModelError(
             f"stepper: {shown(stepper)} was given for a SpatialScene with contacts, expected MoreauJean, "
             "EventDriven or Smooth: the others take contacts in the plane so far"
         )
-    if isinstance(stepper, EventDriven):
-        _refuse_laws(system)
-
-
-def _refuse_laws(system: System) -> None:
-    """Refuse force laws in space where contacts cannot be both rigid and of laws."""
-    for name, law in zip(system.names, system.laws, strict=False):
-        if law is not None:
-            raise ModelError(
-                f"law: {shown(law)} of contact {name!r} of a SpatialScene was given to EventDriven, expected None: "
-                "MoreauJean and Smooth take force laws in space so far"
-            )
 
 
 def _check_solver(stepper: Stepper, system: System) -> None:

@@ -141,7 +141,35 @@ def test_bad_directions(changes: dict[str, Any], message: str) -> None:
         sled(2, 0.3, 0.3, **changes)
 
 
-@pytest.mark.parametrize("stepper", [lf.GeneralizedAlpha(1e-3), lf.EventDriven(), lf.MasslessBoundary(1e-3)])
+@pytest.mark.parametrize("stepper", [lf.GeneralizedAlpha(1e-3), lf.MasslessBoundary(1e-3)])
 def test_steppers_without_cones_say_so(stepper: Any) -> None:
     with pytest.raises(lf.ModelError, match=type(stepper).__name__):
         lf.simulate(sled(2, 0.3, 0.3), 0.01, stepper)
+
+
+@pytest.mark.slow
+def test_the_puck_of_an_incline_slides_by_closed_form() -> None:
+    """S1: mu = tan(slope), |v| + v_down = 1 m/s stays, and the direction of slip turns by separation."""
+    own = lf.simulate(own_puck(SLANTED, math.tan(SLOPE), 0.0), 0.3, lf.EventDriven())
+    scene = lf.simulate(puck(SLANTED, math.tan(SLOPE), 0.0), 0.3, lf.EventDriven())
+    np.testing.assert_allclose(own.u[-1, :2], [0.13577602, -0.49078244], atol=1e-8)
+    np.testing.assert_allclose(own.q[-1], scene.q[-1], atol=1e-9)
+    np.testing.assert_allclose(own.u[-1], scene.u[-1], atol=1e-9)
+    impulses = [sum(result.contact(name).impulse[-1] for name in "abc") for result in (own, scene)]
+    np.testing.assert_allclose(impulses[0], impulses[1], atol=1e-9)
+    assert not own.warnings
+
+
+@pytest.mark.slow
+def test_events_along_a_line_are_those_of_one_direction() -> None:
+    """It slides to and fro, sticks and falls onto the floor: events of the same kinds at the same times."""
+    one, two = (
+        lf.simulate(sled(k, 0.05, 0.3, restitution=0.5, q=np.append(np.zeros(k), 1e-3)), 0.1, lf.EventDriven())
+        for k in (1, 2)
+    )
+    np.testing.assert_allclose(two.q[-1], [0.6 * one.q[-1, 0], 0.8 * one.q[-1, 0], one.q[-1, 1]], atol=1e-7)
+    np.testing.assert_allclose(two.u[-1], [0.6 * one.u[-1, 0], 0.8 * one.u[-1, 0], one.u[-1, 1]], atol=1e-6)
+    assert two.contact("floor").impulse[-1, 0] == pytest.approx(one.contact("floor").impulse[-1, 0], rel=1e-7)
+    impacts = [[event.time for event in result.events if event.kind == "impact"] for result in (one, two)]
+    assert len(impacts[0]) > 3
+    np.testing.assert_allclose(impacts[0][:4], impacts[1][:4], atol=1e-9)
