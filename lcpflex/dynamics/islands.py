@@ -24,7 +24,7 @@ __all__ = [
 ]
 
 NONE = -1
-HELD = 3  # independent rows that leave a rigid body no motion
+MOST_HELD = 6  # velocities of the widest bodies of which it is asked whether joints leave them any motion
 
 
 @struct
@@ -42,7 +42,7 @@ class Islands:
     held: IntArray = array("bodies")  # 1: joints with the ground prescribe its motion
     first_row: IntArray = array("bodies")  # of the joint rows between the body and the ground
     next_row: IntArray = array("joints")
-    base: FloatArray = array(6, 3)  # orthogonal rows of one body, and A^-1 times each
+    base: FloatArray = array(2 * MOST_HELD, MOST_HELD)  # orthogonal rows of one body, and A^-1 times each
 
 
 def islands(bodies: int, contacts: int, joints: int) -> Islands:
@@ -161,7 +161,7 @@ def sort_contacts(of: Islands, n: int) -> None:
 def find_held(
     of: Islands, rows: FloatArray, solved: FloatArray, row_body: IntArray, dof: IntArray, n_joint: int
 ) -> None:
-    """Which rigid bodies have three independent joint rows with the ground."""
+    """Which bodies have as many independent joint rows with the ground as velocities."""
     for b in range(len(of.held)):
         of.held[b] = 0
         of.first_row[b] = NONE
@@ -173,32 +173,35 @@ def find_held(
             of.first_row[moving] = r
             of.held[moving] += 1  # counted first
     for b in range(len(of.held)):
-        enough = of.held[b] >= HELD and dof[b + 1] - dof[b] == HELD
-        of.held[b] = 1 if enough and rank(of, rows, solved, row_body, b) == HELD else 0
+        width = dof[b + 1] - dof[b]
+        enough = of.held[b] >= width and width <= MOST_HELD
+        of.held[b] = 1 if enough and rank(of, rows, solved, row_body, b, width) == width else 0
 
 
 @kernel
-def rank(of: Islands, rows: FloatArray, solved: FloatArray, row_body: IntArray, b: int) -> int:
-    """Independent ones of the joint rows between body b and the ground, in the metric A^-1: at most three."""
+def rank(of: Islands, rows: FloatArray, solved: FloatArray, row_body: IntArray, b: int, width: int) -> int:
+    """Independent ones of the joint rows between body b and the ground, in the metric A^-1: at most ``width``."""
     base = of.base
     found = 0
     r = of.first_row[b]
-    while r >= 0 and found < HELD:
+    while r >= 0 and found < width:
         i = 0 if row_body[r, 0] == b else 1
-        row, turned = base[found], base[HELD + found]
-        for c in range(HELD):
+        row, turned = base[found], base[MOST_HELD + found]
+        size, left = 0.0, 0.0
+        for c in range(width):
             row[c], turned[c] = rows[r, i, c], solved[r, i, c]
-        size = row[0] * turned[0] + row[1] * turned[1] + row[2] * turned[2]
+            size += row[c] * turned[c]
         for other in range(found):
             part = 0.0
-            for c in range(HELD):
+            for c in range(width):
                 part += base[other, c] * turned[c]
-            for c in range(HELD):
+            for c in range(width):
                 row[c] -= part * base[other, c]
-                turned[c] -= part * base[HELD + other, c]
-        left = row[0] * turned[0] + row[1] * turned[1] + row[2] * turned[2]
+                turned[c] -= part * base[MOST_HELD + other, c]
+        for c in range(width):
+            left += row[c] * turned[c]
         if left > REDUNDANT * size:
-            for c in range(HELD):
+            for c in range(width):
                 row[c] /= math.sqrt(left)
                 turned[c] /= math.sqrt(left)
             found += 1

@@ -109,6 +109,24 @@ def test_islands_equal_the_whole() -> None:
     assert laid.problem().residuals(laid.forces())[1] <= 1e-9
 
 
+@pytest.mark.parametrize("held", [True, False])
+def test_a_body_that_joints_hold_keeps_islands_apart(held: bool) -> None:
+    """Two balls on a plate: welded to the ground it passes no impulse on, on a ball joint it does."""
+    scene = lf.SpatialScene()
+    plate = scene.add(lf.Cuboid(2.0, 1.0, 0.1, mass=3.0), "plate", (0.0, 0.0, -0.05))
+    here = scene.ground.at(0.0, 0.0, -0.05)
+    scene.join(lf.Weld(here, plate.at(0.0, 0.0, 0.0)) if held else lf.Ball(here, plate.at(0.0, 0.0, 0.0)))
+    touches = []
+    for b, x in ((1, -0.6), (2, 0.7)):
+        scene.add(lf.Sphere(0.1, mass=1.0 + b), f"ball{b}", (x, 0.0, 0.1))
+        touches.append(Touch(b, 0, np.array([x, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])))
+    laid = Laid(scene.compile().system(), touches)
+    u = np.concatenate([np.zeros(6), np.random.default_rng(1).standard_normal(12) - 2.0])
+    assert laid.solve(u) == 0
+    assert laid.work.islands.count == (2 if held else 1)
+    assert laid.problem().residuals(laid.forces())[0] <= 1e-9
+
+
 def test_joints_are_condensed() -> None:
     """Two links on ball joints, their ends on the ground, against the posed problem."""
     scene = lf.SpatialScene()
