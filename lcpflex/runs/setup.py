@@ -147,7 +147,7 @@ def _check_space(stepper: Stepper, system: System) -> None:
     if not getattr(stepper, "takes_spatial_contacts", False):
         raise ModelError(
             f"stepper: {shown(stepper)} was given for a SpatialScene with contacts, expected MoreauJean, "
-            "EventDriven or Smooth: the others take contacts in the plane so far"
+            "GeneralizedAlpha, EventDriven or Smooth: the other takes contacts in the plane so far"
         )
 
 

@@ -22,7 +22,7 @@ class Held:
 
     table: ContactTable
     count: int
-    load: FloatArray = array("contacts", 2)  # normal and tangential
+    load: FloatArray = array("contacts", "parts")  # normal and tangential; in space friction in world axes
     mode: IntArray = array("contacts")  # of the sets SMOOTH, STICKING, SLIDE_FORTH, SLIDE_BACK
 
 
@@ -35,7 +35,7 @@ class EndForces:
     damping: FloatArray = array("ndof")
     drive: FloatArray = array("ndof")
     conservative: FloatArray = array("ndof")
-    contact: FloatArray = array("laws", 2)  # normal and tangential [N]
+    contact: FloatArray = array("laws", "parts")  # as sums of a record are: normal and tangential [N]
 
 
 @struct
@@ -82,7 +82,7 @@ class AlphaScheme:
     pressed: Held  # contacts that carry something in the present pass of the position problem [N s]
     matched: IntArray = array("contacts")  # the resting contact that each one of the table is, or -1
     total: FloatArray = array("contacts")  # nu of each contact of the table [N s]
-    recursive: FloatArray = array("laws", 2)  # share of the smooth contact forces in a [N]
+    recursive: FloatArray = array("laws", "parts")  # share of the smooth contact forces in a [N]
     start: EndForces
     end: EndForces
     mixing: Mixing
@@ -102,7 +102,9 @@ class AlphaScheme:
 
 def alpha_scheme(system: System, capacity: int, **numbers: float) -> AlphaScheme:
     """Allocate for ``system``, before its first step."""
+    in_space = is_spatial(system.model)
     sizes = {"nq": len(system.q), "ndof": len(system.u), "contacts": capacity, "laws": system.n_laws}
+    sizes |= {"parts": 4 if in_space else 2}
     return allocate(
         AlphaScheme,
         sizes,
@@ -111,7 +113,7 @@ def alpha_scheme(system: System, capacity: int, **numbers: float) -> AlphaScheme
         start=allocate(EndForces, sizes),
         end=allocate(EndForces, sizes),
         mixing=allocate(Mixing, sizes),
-        sets=contact_sets(capacity, 0, is_spatial(system.model)),
+        sets=contact_sets(capacity, capacity if in_space else 0, in_space),
         resting=allocate(Held, sizes, table=system.held(capacity)),
         pressed=allocate(Held, sizes, table=system.held(capacity)),
         **numbers,
@@ -141,11 +143,12 @@ def match(table: ContactTable, k: int, held: Held) -> int:
 
 
 @kernel
-def hold(table: ContactTable, k: int, normal: float, tangential: float, mode: int, held: Held) -> None:
-    """Add entry k of the table with its load."""
+def hold(table: ContactTable, k: int, normal: float, mode: int, held: Held) -> None:
+    """Add entry k of the table with its normal load, and no friction yet."""
     i = held.count
     copy_entry(table, k, held.table, i)
     held.load[i, 0] = normal
-    held.load[i, 1] = tangential
+    for part in range(1, held.load.shape[1]):
+        held.load[i, part] = 0.0
     held.mode[i] = mode
     held.count = i + 1

@@ -131,7 +131,7 @@ def apply_position(model: Model, work: Workspace, scheme: AlphaScheme, recorder:
     scheme.pressed.count = 0
     for k in range(n):
         if work.normal[k] > 0.0:
-            hold(work.table, k, work.normal[k], 0.0, FRICTIONLESS, scheme.pressed)
+            hold(work.table, k, work.normal[k], FRICTIONLESS, scheme.pressed)
     sign = 1.0
     for _ in range(2 if meet else 1):
         if meet:

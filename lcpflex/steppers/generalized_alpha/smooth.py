@@ -30,6 +30,7 @@ from lcpflex.dynamics.mechanics import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.configuration import advance
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
@@ -42,6 +43,7 @@ from lcpflex.steppers.generalized_alpha.memory import (
     hold,
 )
 from lcpflex.steppers.generalized_alpha.mixing import go_on_from, mix
+from lcpflex.steppers.recorder import Recorder
 
 __all__ = ["apply_smooth", "assemble_rows", "gather_resting", "pose_smooth", "slip_mode"]
 
@@ -67,6 +69,7 @@ def place_end(model: Model, h: float, scheme: AlphaScheme) -> None:
     advance(model, scheme.q, way, h, scheme.q_new)
 
 
+@in_space("lcpflex.steppers.spatial.alpha")
 @kernel
 def gather_resting(model: Model, work: Workspace, scheme: AlphaScheme) -> int:
     """Contacts closed at rest at the start of the step, with their modes; returns how many pairs are closed."""
@@ -160,13 +163,22 @@ def pose_smooth(model: Model, h: float, t: float, work: Workspace, scheme: Alpha
         work.terms[r] = 0.0
     lay_contacts(work)
     prepare_large(model, work)
-    for k in range(n):
-        scheme.sets.tangent_of[k] = -1
-    for j in range(n_tangent):
-        scheme.sets.tangent_of[work.tangent[j]] = j
-    n_stick = pose_sets(work, scheme.sets)
-    scheme.warm = 1 if n_stick == n_tangent else 0
+    scheme.warm = pose_modes(model, alpha_c, work, scheme)
     return n
+
+
+@in_space("lcpflex.steppers.spatial.alpha")
+@kernel
+def pose_modes(model: Model, alpha_c: float, work: Workspace, scheme: AlphaScheme) -> int:
+    """Let the modes of contacts count in the problems just laid; 1: all with friction stick, begin from the last step.
+
+    alpha_c: dv/dw of the velocity at the end of the step [s], which slip that turns asks for in space.
+    """
+    for k in range(work.n_contacts):
+        scheme.sets.tangent_of[k] = -1
+    for j in range(work.n_tangents):
+        scheme.sets.tangent_of[work.tangent[j]] = j
+    return 1 if pose_sets(work, scheme.sets) == work.n_tangents else 0
 
 
 @kernel
@@ -181,10 +193,9 @@ def add_row(work: Workspace, r: int, p: float, out: FloatArray) -> None:
 
 
 @kernel
-def note_smooth(work: Workspace, scheme: AlphaScheme, at: EndForces) -> None:
+def note_smooth(work: Workspace, scheme: AlphaScheme, at: EndForces, recorder: Recorder) -> None:
     """Hold the resting contacts with their forces, and the forces that do work, at one end of the step."""
     n_joint = work.n_joint
-    n = work.n_contacts
     at.contact[:, :] = 0.0
     scheme.resting.count = 0
     for i in range(len(scheme.v_new)):
@@ -196,6 +207,14 @@ def note_smooth(work: Workspace, scheme: AlphaScheme, at: EndForces) -> None:
     for r in range(n_joint):
         if work.rate[r] != 0.0:
             add_row(work, r, work.p[r], at.drive)
+    note_resting(work, scheme, at, recorder)
+
+
+@in_space("lcpflex.steppers.spatial.alpha")
+@kernel
+def note_resting(work: Workspace, scheme: AlphaScheme, at: EndForces, recorder: Recorder) -> None:
+    """Hold the contacts that carry with their forces, and add these to ``at``."""
+    n_joint, n, resting = work.n_joint, work.n_contacts, scheme.resting
     for k in range(n):
         normal = work.p[n_joint + k]
         if normal <= 0.0:
@@ -208,7 +227,8 @@ def note_smooth(work: Workspace, scheme: AlphaScheme, at: EndForces) -> None:
             add_row(work, r, tangential, at.friction)
         at.contact[work.table.law[k], 0] += normal
         at.contact[work.table.law[k], 1] += tangential
-        hold(work.table, k, normal, tangential, scheme.sets.mode[k], scheme.resting)
+        hold(work.table, k, normal, scheme.sets.mode[k], resting)
+        resting.load[resting.count - 1, 1] = tangential
 
 
 @kernel
@@ -247,7 +267,7 @@ def settled(model: Model, h: float, work: Workspace, scheme: AlphaScheme) -> boo
 
 
 @kernel
-def apply_smooth(model: Model, h: float, work: Workspace, scheme: AlphaScheme) -> None:
+def apply_smooth(model: Model, h: float, work: Workspace, scheme: AlphaScheme, recorder: Recorder) -> None:
     """A Newton step; after the last one what the next problem needs."""
     answer_joints(work)
     if not settled(model, h, work, scheme):
@@ -256,18 +276,18 @@ def apply_smooth(model: Model, h: float, work: Workspace, scheme: AlphaScheme) -
     scheme.turn = 0
     scheme.skip = 0
     if h == 0.0:
-        note_smooth(work, scheme, scheme.start)
+        note_smooth(work, scheme, scheme.start, recorder)
         for law in range(len(scheme.recursive)):
-            for i in range(2):
+            for i in range(scheme.recursive.shape[1]):
                 scheme.recursive[law, i] = scheme.start.contact[law, i]
         for i in range(len(scheme.w)):
             scheme.w[i] = scheme.w_new[i]
             scheme.a[i] = scheme.w_new[i]
         scheme.phase = SMOOTH
         return
-    note_smooth(work, scheme, scheme.end)
+    note_smooth(work, scheme, scheme.end, recorder)
     scheme.phase = POSITION
     scheme.pressed.count = 0
     resting = scheme.resting
     for i in range(resting.count):
-        hold(resting.table, i, 0.5 * h * resting.load[i, 0], 0.0, resting.mode[i], scheme.pressed)
+        hold(resting.table, i, 0.5 * h * resting.load[i, 0], resting.mode[i], scheme.pressed)

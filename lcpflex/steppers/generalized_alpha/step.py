@@ -18,6 +18,7 @@ from lcpflex.dynamics.large_island import prepare_large
 from lcpflex.dynamics.mechanics import multiply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import copy_parts
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.clock import StepClock, StepCount
@@ -42,7 +43,7 @@ from lcpflex.steppers.generalized_alpha.smooth import (
 from lcpflex.steppers.island_problems import solve_islands
 from lcpflex.steppers.moreau_jean.step import record_impulses
 from lcpflex.steppers.passing import set_out_freely
-from lcpflex.steppers.recorder import Recorder, note_gain
+from lcpflex.steppers.recorder import Recorder, add_impulse, note_gain
 from lcpflex.steppers.scheme import record, set_length, take_step
 from lcpflex.steppers.status import RunStatus
 
@@ -91,10 +92,13 @@ def pose_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme) 
         i = match(work.table, k, scheme.resting)
         scheme.matched[k] = i
         work.p[n_joint + k] = -h * scheme.resting.load[i, 0] if i >= 0 else 0.0
+        work.tangent_of[k] = -1
+    for j in range(n_tangent - 1, -1, -1):  # in space two of each contact, and the first is told
+        work.tangent_of[work.tangent[j]] = j
     for j in range(n_tangent):
-        i = scheme.matched[work.tangent[j]]
-        if i >= 0:
-            work.p[n_joint + n + j] = -h * scheme.resting.load[i, 1]
+        k = work.tangent[j]
+        if scheme.matched[k] >= 0:
+            work.p[n_joint + n + j] = -h * resting_load(work, scheme, k, n_joint + n + j)
     apply_impulses(work.solved, work.row_body, n_joint, total, work.p, work.dof, work.free_u)
     free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.terms)
     for r in range(n_joint):
@@ -129,7 +133,7 @@ def accrue_impulse(scheme: AlphaScheme, recorder: Recorder) -> None:
     am = scheme.alpha_m
     af = scheme.alpha_f
     for law in range(len(scheme.recursive)):
-        for i in range(2):
+        for i in range(scheme.recursive.shape[1]):
             now = scheme.start.contact[law, i]
             old = scheme.recursive[law, i]
             new = ((1.0 - af) * scheme.end.contact[law, i] + af * now - am * old) / (1.0 - am)
@@ -144,6 +148,16 @@ def mean_power(start: FloatArray, end: FloatArray, u: FloatArray, v: FloatArray)
     for i in range(len(u)):
         done += (start[i] + end[i]) * (u[i] + v[i])
     return done
+
+
+@in_space("lcpflex.steppers.spatial.alpha")
+@kernel
+def resting_load(work: Workspace, scheme: AlphaScheme, k: int, r: int) -> float:
+    """Force of the smooth motion on row r, of contact k [N]; 0 where it did not rest."""
+    i = scheme.matched[k]
+    if i < 0:
+        return 0.0
+    return float(scheme.resting.load[i, 0 if r < work.n_joint + work.n_contacts else 1])
 
 
 @kernel
@@ -173,7 +187,7 @@ def audit(t: float, work: Workspace, scheme: AlphaScheme, recorder: Recorder) ->
         elif r >= n_joint:
             k = r - n_joint
         if k >= 0 and scheme.matched[k] >= 0:
-            p -= h * scheme.resting.load[scheme.matched[k], 1 - part]
+            p -= h * resting_load(work, scheme, k, r)
         before = row_velocity(work.rows, work.row_body, r, work.dof, scheme.v_new)
         done = 0.5 * p * (before + row_velocity(work.rows, work.row_body, r, work.dof, work.free_u))
         if k >= 0:
@@ -182,7 +196,7 @@ def audit(t: float, work: Workspace, scheme: AlphaScheme, recorder: Recorder) ->
                 recorder.counts.lost_friction -= done
             else:
                 recorder.counts.lost_impacts -= done
-            recorder.total_impulse[work.table.law[k], 1 - part] += p
+            add_impulse(work, r - n_joint, p, recorder)
         elif work.rate[r] != 0.0:
             recorder.counts.supplied += done
     note_gain(recorder, t, gained)
@@ -192,17 +206,22 @@ def audit(t: float, work: Workspace, scheme: AlphaScheme, recorder: Recorder) ->
 def broken(work: Workspace, scheme: AlphaScheme) -> bool:
     """Whether the acceleration jumps at the end of the step: a contact closed, opened, or changed its slip."""
     n_joint = work.n_joint
-    n = work.n_contacts
     kept = 0
-    for k in range(n):
+    for k in range(work.n_contacts):
         i = scheme.matched[k]
         carries = work.p[n_joint + k] > 0.0
         if carries and i < 0:
             return True
         if carries:
             kept += 1
-    if kept != scheme.resting.count:
-        return True
+    return kept != scheme.resting.count or slips_anew(work, scheme)
+
+
+@in_space("lcpflex.steppers.spatial.alpha")
+@kernel
+def slips_anew(work: Workspace, scheme: AlphaScheme) -> bool:
+    """Whether a contact that slid has come to rest, or slides the other way, at the velocity ``work.free_u``."""
+    n_joint, n = work.n_joint, work.n_contacts
     for j in range(work.n_tangents):
         i = scheme.matched[work.tangent[j]]
         if i >= 0 and scheme.resting.mode[i] != STICKING:
@@ -274,7 +293,7 @@ def correct(model: Model, t: float, work: Workspace, scheme: AlphaScheme, record
     """Apply the solution of the problem posed: PART where the step has more of them, DONE or NOT_FINITE."""
     if scheme.phase <= SMOOTH:
         start = scheme.phase == RESTART
-        apply_smooth(model, scheme.step if scheme.phase == SMOOTH else 0.0, work, scheme)
+        apply_smooth(model, scheme.step if scheme.phase == SMOOTH else 0.0, work, scheme, recorder)
         lay_reactions(model, work, recorder.reactions.ahead)
         if start:
             note_ends(model, 0.0, recorder.reactions)
@@ -298,6 +317,13 @@ def give_up_smooth(scheme: AlphaScheme, islands: Islands) -> bool:
     return True
 
 
+@in_space("lcpflex.steppers.spatial.alpha")
+@kernel
+def solve_problems(work: Workspace, scheme: AlphaScheme, t: float, last: bool, recorder: Recorder) -> int:
+    """The problems laid that are not solved yet; as :func:`lcpflex.steppers.island_problems.solve_islands`."""
+    return solve_islands(work, t, scheme.tolerance, scheme.warm == 1, last, recorder)
+
+
 @take_step.of(AlphaScheme)
 @kernel
 def alpha_step(
@@ -311,7 +337,7 @@ def alpha_step(
             if clock.number > len(work.table.key):
                 return RunStatus.GROW
         last = scheme.phase == VELOCITY
-        status = solve_islands(work, t, scheme.tolerance, scheme.warm == 1, last, recorder)
+        status = solve_problems(work, scheme, t, last, recorder)
         if status == RunStatus.SOLVER_FAILED and give_up_smooth(scheme, work.islands):
             continue
         if status != RunStatus.DONE:
@@ -333,7 +359,7 @@ def carry_acceleration(scheme: AlphaScheme, length: float) -> None:
     for i in range(len(scheme.a)):
         scheme.a[i] = scheme.w[i] + ratio * (scheme.a[i] - scheme.w[i])
     for law in range(len(scheme.recursive)):
-        for i in range(2):
+        for i in range(scheme.recursive.shape[1]):
             now = scheme.start.contact[law, i]
             scheme.recursive[law, i] = now + ratio * (scheme.recursive[law, i] - now)
     scheme.step = length

@@ -25,6 +25,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import partial
+from typing import ClassVar
 
 from lcpflex.basics.options import keep_number, keep_number_or_none
 from lcpflex.dynamics.workspace import Workspace
@@ -97,6 +98,8 @@ class GeneralizedAlpha:
     ModelError
         For a number out of its range.
     """
+
+    takes_spatial_contacts: ClassVar[bool] = True  # with two directions of friction
 
     step: float
     rho_inf: float = 0.8

@@ -16,9 +16,9 @@ def ball_on_floor() -> lf.SpatialScene:
 
 @pytest.mark.parametrize(
     "stepper",
-    [lf.GeneralizedAlpha(step=1e-3), lf.MasslessBoundary(step=1e-3)],
-    ids=["generalised-alpha", "massless boundary"],
+    [lf.MasslessBoundary(step=1e-3)],
+    ids=["massless boundary"],
 )
-def test_steppers_whose_contacts_are_planar_are_refused(stepper: lf.GeneralizedAlpha) -> None:
+def test_steppers_whose_contacts_are_planar_are_refused(stepper: lf.MasslessBoundary) -> None:
     with pytest.raises(lf.ModelError, match=rf"{type(stepper).__name__}.*SpatialScene.*expected MoreauJean"):
         lf.simulate(ball_on_floor(), 0.01, stepper, progress=False)

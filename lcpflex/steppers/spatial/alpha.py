@@ -1,0 +1,251 @@
+"""Contacts in space under generalised-alpha: two directions of friction, and slip whose direction turns.
+
+Friction of a contact that slides is -mu lambda_N d, d = gamma / |gamma|, with the slip gamma of the iterate at the end
+of the step. A pass of Newton's method that took d as the last pass left it would multiply errors of d by r / |gamma|,
+where -r d is what friction has made of gamma in the step: it would fail in the last steps before a stop. So d is that
+of gamma + r d_last: friction that only turns with d is then taken at its new direction. Where friction is more than
+what there is to stop, d stays that of the slip without it, as in the plane, and the problem of velocities stops it.
+
+Contacts without slip have a cone in the problem of accelerations (:mod:`lcpflex.dynamics.spatial.acceleration`). The
+forces of the smooth motion are kept in world axes.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from lcpflex.contact.detection import detect
+from lcpflex.contact.spatial.table import side_of
+from lcpflex.dynamics.acceleration import FORCE
+from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.dynamics.mechanics import fill_contact_rows, solve_vector
+from lcpflex.dynamics.spatial.acceleration import SLIDING, across, slip_of
+from lcpflex.dynamics.spatial.inertia import SpatialWork
+from lcpflex.jit.kernel import kernel
+from lcpflex.kinematics.spatial.vectors import dot
+from lcpflex.solvers.contact.index_sets import SMOOTH as FRICTIONLESS, STICKING
+from lcpflex.solvers.contact.recollection import turn_over
+from lcpflex.steppers.event_driven.memory import copy_entry
+from lcpflex.steppers.generalized_alpha.memory import POSITION, hold
+from lcpflex.steppers.generalized_alpha.smooth import add_row
+from lcpflex.steppers.island_problems import solve_island, solve_islands
+from lcpflex.steppers.recorder import Recorder
+from lcpflex.steppers.spatial.island_problems import keep_island
+from lcpflex.steppers.spatial.records import friction_vector
+from lcpflex.steppers.spatial.sets import solve_on_sets
+from lcpflex.steppers.status import RunStatus
+
+__all__ = [
+    "gather_resting",
+    "note_resting",
+    "pose_modes",
+    "resting_load",
+    "slips_anew",
+    "solve_problems",
+]
+
+FROZEN = 5  # passes after which the direction of slip that comes to a stop is left as it is
+
+
+@kernel
+def gather_resting(model: Any, work: SpatialWork, scheme: Any) -> int:
+    """Contacts closed at rest at the start of the step, with their modes; returns how many pairs are closed."""
+    q, u = scheme.q, scheme.u
+    scheme.n_found = 0
+    found = detect(model, q, scheme.gap_tolerance, work.table)
+    if found == 0 or found > len(work.table.key):
+        return found
+    n_joint = len(work.residual)
+    n_tangent = fill_contact_rows(model, q, found, n_joint, work)
+    kept, j = 0, 0
+    for k in range(found):
+        frictional = j < n_tangent and work.tangent[j] == k
+        if abs(row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u)) <= scheme.velocity_threshold:
+            mode = FRICTIONLESS
+            if frictional:
+                r = n_joint + found + j
+                first = row_velocity(work.rows, work.row_body, r, work.dof, u)
+                second = row_velocity(work.rows, work.row_body, r + 1, work.dof, u)
+                mode = STICKING if math.hypot(first, second) <= scheme.velocity_threshold else SLIDING
+            copy_entry(work.table, k, work.table, kept)
+            scheme.sets.mode[kept] = mode
+            kept += 1
+        if frictional:
+            j += 2
+    scheme.n_found = kept
+    return found
+
+
+@kernel
+def pose_modes(model: Any, alpha_c: float, work: SpatialWork, scheme: Any) -> int:
+    """Directions of the contacts that slide, for the problems just laid; 0: they begin from no forces.
+
+    alpha_c: dv/dw of the velocity at the end of the step [s].
+    """
+    sets, push = scheme.sets, scheme.momentum
+    sets.level = FORCE
+    n_joint, n = work.n_joint, work.n_contacts
+    for k in range(n):
+        sets.tangent_of[k] = -1
+    for j in range(work.n_tangents - 1, -1, -1):  # two of each contact, and the first is told
+        sets.tangent_of[work.tangent[j]] = j
+    again = scheme.turn > 0
+    if again:
+        for i in range(len(push)):
+            push[i] = 0.0
+        for r in range(n_joint + n, n_joint + n + work.n_tangents):
+            add_row(work, r, work.p[r], push)
+        solve_vector(model, work, push)
+    for k in range(n):
+        if sets.mode[k] != SLIDING:
+            continue
+        first, second = slip_of(work, sets, k, scheme.v_new)
+        if scheme.turn >= FROZEN and first * sets.along[k, 0] + second * sets.along[k, 1] <= 0.0:
+            continue  # it stops in this step, in which direction the problem of velocities tells
+        if again:
+            pushed = slip_of(work, sets, k, push)
+            taken = -alpha_c * (sets.along[k, 0] * pushed[0] + sets.along[k, 1] * pushed[1])
+            if taken > 0.0:
+                first += taken * sets.along[k, 0]
+                second += taken * sets.along[k, 1]
+        else:
+            before = slip_of(work, sets, k, scheme.u)
+            if not first * before[0] + second * before[1] > 0.0:
+                first, second = before
+        size = math.hypot(first, second)
+        if size > 0.0:
+            sets.along[k, 0], sets.along[k, 1] = first / size, second / size
+    return 0
+
+
+@kernel
+def slide_on(work: SpatialWork, scheme: Any) -> None:
+    """Modes of the contacts of the problem of velocities: those that the smooth motion leaves sliding go on so.
+
+    Their whole impulse is in the cone at the direction of the smooth friction, which is then met without another one:
+    the direction of the velocity after the step would make friction that turns of order 1. Not in islands where a
+    contact does not rest: an impact may turn the slip of all.
+    """
+    sets, islands = scheme.sets, work.islands
+    sets.level = FORCE
+    for k in range(work.n_contacts):
+        sets.tangent_of[k] = work.tangent_of[k]
+        sets.mode[k] = STICKING if work.tangent_of[k] >= 0 else FRICTIONLESS
+    for i in range(islands.count):
+        rests = True
+        for c in range(islands.start[i], islands.start[i + 1]):
+            rests = rests and scheme.matched[islands.contact[c]] >= 0
+        if not rests:
+            continue
+        for c in range(islands.start[i], islands.start[i + 1]):
+            k = islands.contact[c]
+            m = scheme.matched[k]
+            if sets.tangent_of[k] < 0 or scheme.resting.mode[m] != SLIDING:
+                continue
+            first, second = slip_of(work, sets, k, scheme.v_new)
+            x, y = resting_friction(work, scheme, k)
+            size = math.hypot(x, y)
+            if size > 0.0 and -(first * x + second * y) > scheme.velocity_threshold * size:
+                sets.mode[k] = SLIDING
+                sets.along[k, 0], sets.along[k, 1] = -x / size, -y / size
+
+
+@kernel
+def resting_friction(work: SpatialWork, scheme: Any, k: int) -> tuple[float, float]:
+    """Friction of the smooth motion on contact k, which rested, in its tangents [N]."""
+    load, i = scheme.resting.load, scheme.matched[k]
+    t, s = across(work, k)
+    friction = (load[i, 1], load[i, 2], load[i, 3])
+    return dot(friction, t), dot(friction, s)
+
+
+@kernel
+def slides(work: SpatialWork, scheme: Any, i: int) -> bool:
+    """Whether a contact of island i slides."""
+    islands, found = work.islands, False
+    for c in range(islands.start[i], islands.start[i + 1]):
+        found = found or scheme.sets.mode[islands.contact[c]] == SLIDING
+    return found
+
+
+@kernel
+def solve_problems(work: SpatialWork, scheme: Any, t: float, last: bool, recorder: Recorder) -> int:
+    """The problems laid that are not solved yet; with known slip where a contact slides, but for those of positions."""
+    if scheme.phase == POSITION:
+        return solve_islands(work, t, scheme.tolerance, scheme.warm == 1, last, recorder)
+    islands, warm = work.islands, scheme.warm == 1
+    if last and islands.next == 0:
+        work.remembered.n_next = 0
+        slide_on(work, scheme)
+    work.unsolved_large = 0
+    while islands.next < islands.count:
+        i = islands.next
+        if slides(work, scheme, i):
+            status = solve_on_sets(work, scheme.sets, i, scheme.tolerance, warm, recorder)
+            for c in range(islands.start[i + 1] - islands.start[i]):
+                work.solver.slip[c] = 0.0
+        else:
+            status = solve_island(work, i, scheme.tolerance, warm, recorder)
+        if status != RunStatus.DONE:
+            return status
+        if last:
+            keep_island(work, i)
+        islands.next += 1
+    if last:
+        turn_over(work.remembered)
+    return RunStatus.DONE
+
+
+@kernel
+def note_resting(work: SpatialWork, scheme: Any, at: Any, recorder: Recorder) -> None:
+    """Hold the contacts that carry with their forces, and add these to ``at``."""
+    n_joint, n, resting = work.n_joint, work.n_contacts, scheme.resting
+    for k in range(n):
+        normal = work.p[n_joint + k]
+        if normal <= 0.0:
+            continue
+        law = work.table.law[k]
+        add_row(work, n_joint + k, normal, at.normal)
+        hold(work.table, k, normal, scheme.sets.mode[k], resting)
+        at.contact[law, 0] += normal
+        if scheme.sets.tangent_of[k] >= 0:
+            r = n_joint + n + scheme.sets.tangent_of[k]
+            add_row(work, r, work.p[r], at.friction)
+            add_row(work, r + 1, work.p[r + 1], at.friction)
+            friction = friction_vector(work.table, k, work.p[r], work.p[r + 1])
+            side = side_of(recorder.table, law, work.table.body[k, 0])
+            for i in range(3):
+                resting.load[resting.count - 1, 1 + i] = friction[i]
+                at.contact[law, 1 + i] += side * friction[i]
+
+
+@kernel
+def resting_load(work: SpatialWork, scheme: Any, k: int, r: int) -> float:
+    """Force of the smooth motion on row r, of contact k [N]; 0 where it did not rest."""
+    i = scheme.matched[k]
+    if i < 0:
+        return 0.0
+    first = work.n_joint + work.n_contacts
+    if r < first:
+        return float(scheme.resting.load[i, 0])
+    friction = resting_friction(work, scheme, k)
+    return friction[0] if work.tangent_of[k] == r - first else friction[1]
+
+
+@kernel
+def slips_anew(work: SpatialWork, scheme: Any) -> bool:
+    """Whether a contact that slid has come to rest, or has turned against its slip, at the velocity ``work.free_u``."""
+    for k in range(work.n_contacts):
+        i, j = scheme.matched[k], work.tangent_of[k]
+        if i < 0 or j < 0 or scheme.resting.mode[i] == STICKING:
+            continue
+        r = work.n_joint + work.n_contacts + j
+        first = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
+        second = row_velocity(work.rows, work.row_body, r + 1, work.dof, work.free_u)
+        x, y = resting_friction(work, scheme, k)
+        if math.hypot(first, second) <= scheme.velocity_threshold:
+            return True
+        if first * x + second * y > 0.0:
+            return True
+    return False
