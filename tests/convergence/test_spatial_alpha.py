@@ -8,6 +8,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
+from lcpflex.bodies.spatial.body import SpatialPoint
+from tests.spatial_bodies import random_body
+from tests.spatial_flight import flexible_body
 
 G = 9.81
 UP, FLOOR = (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
@@ -165,3 +168,22 @@ def test_jointed_balls_that_slide_have_order_two() -> None:
         errors.append(float(np.abs(run(scene(), 0.1, step).u[-1] - exact).max()))
     assert 1.8 < fitted(steps, errors) < 2.2
     assert errors[-1] < 1e-4
+
+
+def test_a_flexible_body_that_slides_has_order_two() -> None:
+    """On one of its points, which shakes, against event-driven steps."""
+    given = random_body(np.random.default_rng(7), 3, centred=True)
+    turns = 0.3 * np.random.default_rng(1).normal(size=(3, 3))
+    points = {"foot": SpatialPoint(given.places[0], given.shapes[:, 0], turns)}
+    body = flexible_body(given, stiffness=400.0 * (1.0 + np.arange(3)), damping=np.ones(3), points=points)
+    scene = lf.SpatialScene()
+    placed = scene.add(body, position=-given.places[0], velocity=(1.0, 0.5, 0.0))
+    scene.contact(placed.node("foot"), scene.ground.plane(FLOOR, UP), friction=0.1)
+    exact = lf.simulate(scene, 0.1, lf.EventDriven(rtol=1e-10, atol=1e-11), progress=False).u[-1]
+    steps, errors = [2e-3, 1e-3, 5e-4], []
+    for step in steps:
+        result = run(scene, 0.1, step)
+        errors.append(float(np.abs(result.u[-1] - exact).max()))
+        assert result.energies.relative_remainder < 0.1 * step**2
+    assert 1.9 < fitted(steps, errors) < 2.1
+    assert errors[-1] < 3e-6
