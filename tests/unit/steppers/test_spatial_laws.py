@@ -130,7 +130,7 @@ def test_forces_told_are_those_on_the_first_surface(stepper: Any) -> None:
 
 @pytest.mark.parametrize("direction", [0.0, 1.0, 2.5, 4.0])
 def test_a_ball_under_a_regularised_law_comes_to_roll_as_by_coulombs(direction: float) -> None:
-    """S2, thrown in any direction: a slip at which friction has come up moves the end by some part of itself."""
+    """S2, thrown in any direction: the end is that of Coulomb, whatever the slip speed of the law."""
     radius, mass, turn = 0.028575, 0.17, Rotation.from_rotvec([0.0, 0.0, direction])
     missed = []
     for slip_speed in (4e-3, 1e-3):
@@ -148,8 +148,7 @@ def test_a_ball_under_a_regularised_law_comes_to_roll_as_by_coulombs(direction: 
         missed.append(turn.inv().apply(result.u[-1, :3]) - [1.18364286, -0.12246429, 0.0])
         spin = Rotation.from_quat(result.q[-1, [4, 5, 6, 3]]).apply(result.u[-1, 3:])
         assert spin[2] == pytest.approx(7.0, abs=1e-3)
-    assert np.linalg.norm(missed[1]) < 2e-3
-    assert np.linalg.norm(missed[1]) < 0.5 * np.linalg.norm(missed[0]) + 1e-4
+    assert max(np.linalg.norm(one) for one in missed) < 1e-5  # most of it by indentation, 1.7e-7 m
 
 
 @pytest.mark.parametrize(
