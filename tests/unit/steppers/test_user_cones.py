@@ -77,8 +77,10 @@ def puck(gravity: Any, friction: float, spin: float) -> lf.SpatialScene:
     [(SLANTED, math.tan(SLOPE), 0.0, 1e-9), ((0.0, 0.0, -9.81), 0.2, 10.0, 2e-5)],
     ids=["S1", "R4"],
 )
-def test_a_puck_of_functions_is_that_of_a_scene(gravity: Any, friction: float, spin: float, error: float) -> None:
-    stepper = lf.MoreauJean(2e-3)
+@pytest.mark.parametrize("stepper", [lf.MoreauJean(2e-3), lf.GeneralizedAlpha(2e-3)], ids=["MJ", "alpha"])
+def test_a_puck_of_functions_is_that_of_a_scene(
+    gravity: Any, friction: float, spin: float, error: float, stepper: Any
+) -> None:
     own = lf.simulate(own_puck(gravity, friction, spin), 0.1, stepper)
     scene = lf.simulate(puck(gravity, friction, spin), 0.1, stepper)
     np.testing.assert_allclose(own.q[-1], scene.q[-1], atol=error)
@@ -141,10 +143,9 @@ def test_bad_directions(changes: dict[str, Any], message: str) -> None:
         sled(2, 0.3, 0.3, **changes)
 
 
-@pytest.mark.parametrize("stepper", [lf.GeneralizedAlpha(1e-3), lf.MasslessBoundary(1e-3)])
-def test_steppers_without_cones_say_so(stepper: Any) -> None:
-    with pytest.raises(lf.ModelError, match=type(stepper).__name__):
-        lf.simulate(sled(2, 0.3, 0.3), 0.01, stepper)
+def test_a_stepper_without_cones_says_so() -> None:
+    with pytest.raises(lf.ModelError, match="MasslessBoundary"):
+        lf.simulate(sled(2, 0.3, 0.3), 0.01, lf.MasslessBoundary(1e-3))
 
 
 @pytest.mark.slow
