@@ -25,6 +25,7 @@ __all__ = [
     "EDGED",
     "EDGES",
     "NO_POINTS",
+    "RIMMED",
     "RIM_POINTS",
     "TOUCHES",
     "Pass",
@@ -33,6 +34,7 @@ __all__ = [
     "carried",
     "passes_of",
     "plane",
+    "rim",
     "surface_of",
 ]
 
@@ -44,6 +46,7 @@ class SpatialKind(Enum):
     SPHERE = "sphere"
     CAPSULE = "capsule"
     CYLINDER = "cylinder"
+    RIM = "rim"
     POLYHEDRON = "convex polyhedron"
     MESH = "triangle surface"
     HOLE = "hole"
@@ -57,6 +60,7 @@ TOUCHED = {  # what the nodes of a surface may touch
     SpatialKind.SPHERE: (SpatialKind.SPHERE, *SOLID),
     SpatialKind.CAPSULE: SOLID,
     SpatialKind.CYLINDER: (SpatialKind.PLANE,),
+    SpatialKind.RIM: (SpatialKind.PLANE,),
     SpatialKind.POLYHEDRON: SOLID,
     SpatialKind.MESH: SOLID,
 }
@@ -64,7 +68,8 @@ TOUCHES = np.array([[b in TOUCHED.get(a, ()) for b in SpatialKind] for a in Spat
 WITH_EDGES = (SpatialKind.CAPSULE, SpatialKind.POLYHEDRON, SpatialKind.MESH)
 EDGED = tuple(kind in WITH_EDGES for kind in SpatialKind)  # by their codes, those that touch each other with edges
 CAPSULE = CODES[SpatialKind.CAPSULE]
-RIM_POINTS = 8  # of each rim of a cylinder, on which it stands
+RIMMED = (SpatialKind.CYLINDER, SpatialKind.RIM)  # those that touch with circles
+RIM_POINTS = 8  # of each rim, on which a cylinder or disc stands
 ALL_FEATURES, NO_POINTS, EDGES = range(3)  # what a pass looks at: nodes against all, against all but points; edges
 
 
@@ -82,7 +87,8 @@ class SpatialSurface:
 
     points: material points (vertices of triangles; centre of a sphere or hole; both ends of the axis of a capsule;
     three points of a plane, a metre apart, seen counter-clockwise from outside; the centres of both rims of a cylinder,
-    and points on them). radius [m] of spheres, holes, capsules and cylinders. triangles (T, 3): of which points,
+    or of a rim and another point on its axis, and points on them). radius [m] of spheres, holes, capsules, cylinders
+    and rims. triangles (T, 3): of which points,
     counter-clockwise seen from outside; none: the points alone are known.
     """
 
@@ -164,19 +170,37 @@ def surface_of(shape: Shape) -> SpatialSurface | None:
 
 def _cylinder(radius: float, half: float) -> SpatialSurface:
     """Centres of both rims, and points on them."""
-    angles = np.arange(RIM_POINTS) * (2.0 * math.pi / RIM_POINTS)
-    rims = [rigid_point(radius * math.cos(t), radius * math.sin(t), z) for z in (-half, half) for t in angles]
+    rims = [rigid_point(*place) for z in (-half, half) for place in _circle(radius) + np.array([0.0, 0.0, z])]
     centers = [rigid_point(0.0, 0.0, z) for z in (-half, half)]
     return SpatialSurface(SpatialKind.CYLINDER, (*centers, *rims), radius)
 
 
+def _circle(radius: float) -> FloatArray:
+    """(RIM_POINTS, 3) places on a circle about z."""
+    angles = np.arange(RIM_POINTS) * (2.0 * math.pi / RIM_POINTS)
+    return radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(RIM_POINTS)])
+
+
+def rim(center: SpatialPoint, axis: FloatArray, radius: float) -> SpatialSurface:
+    """The circle of ``radius`` about ``axis`` (3,), not zero, around ``center``, carried by the material there."""
+    n, first, second = _frame(axis)
+    around = _circle(radius) @ np.array([first, second, n])
+    points = (center, carried(center, radius * n), *(carried(center, offset) for offset in around))
+    return SpatialSurface(SpatialKind.RIM, points, radius)
+
+
 def plane(point: SpatialPoint, normal: FloatArray) -> SpatialSurface:
     """Everything behind the plane through ``point``; ``normal`` (3,), not zero, points out of the solid."""
+    _, first, second = _frame(normal)
+    return SpatialSurface(SpatialKind.PLANE, (point, carried(point, first), carried(point, second)))
+
+
+def _frame(normal: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The direction of ``normal``, and two across it that make a right-handed frame with it: first, second, n."""
     n = normal / np.linalg.norm(normal)
     across = np.cross(n, np.eye(3)[int(np.argmin(np.abs(n)))])
     first = across / np.linalg.norm(across)
-    second = np.cross(n, first)
-    return SpatialSurface(SpatialKind.PLANE, (point, carried(point, first), carried(point, second)))
+    return n, first, np.cross(n, first)
 
 
 def carried(point: SpatialPoint, offset: FloatArray) -> SpatialPoint:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from lcpflex.bodies.spatial.surface import SpatialKind, SpatialSurface
+from lcpflex.bodies.spatial.surface import RIMMED, SpatialKind, SpatialSurface
 from lcpflex.compile.spatial.features import Feature
 from lcpflex.compile.spatial.mesh_features import mesh_features
 from lcpflex.contact.spatial.kinds import EDGE, FACET, PLANE, POINT, RIM
@@ -22,7 +22,7 @@ CARRIERS = tuple(kind for kind in SpatialKind if kind not in (*PLANAR, SpatialKi
 
 def nodes_of(surface: SpatialSurface, indices: Sequence[int]) -> list[tuple[int, float]]:
     """(point, radius) of what may touch others."""
-    if surface.kind is SpatialKind.CYLINDER:
+    if surface.kind in RIMMED:
         return [(index, 0.0) for index in indices[2:]]
     return [(index, surface.radius) for index in indices] if surface.kind in CARRIERS else []
 
@@ -38,6 +38,8 @@ def features_of(surface: SpatialSurface, indices: Sequence[int], first: int) -> 
         a, b = indices
         ends = [Feature(POINT, (p,) * 3, radius, fan=(q,)) for p, q in ((a, b), (b, a))]
         return [Feature(EDGE, (a, b, a), radius), *ends]
+    if kind is SpatialKind.RIM:
+        return [Feature(RIM, (indices[0], indices[1], indices[0]), radius)]
     if kind is SpatialKind.CYLINDER:
         low, high = indices[:2]
         return [Feature(RIM, (p, q, p), radius) for p, q in ((low, high), (high, low))]
@@ -69,7 +71,7 @@ def bounds_of(surface: SpatialSurface) -> tuple[float, float, float, float]:
         return (*places[0], math.inf)
     x, y, z = 0.5 * (places.min(axis=0) + places.max(axis=0))
     reach = float(np.linalg.norm(places - np.array([x, y, z]), axis=1).max())
-    beside = 0.0 if surface.kind is SpatialKind.CYLINDER else surface.radius
+    beside = 0.0 if surface.kind in RIMMED else surface.radius
     return float(x), float(y), float(z), reach + beside
 
 

@@ -84,7 +84,7 @@ class SpatialPlaced:
             held = "the ground" if self.source is None else f"{shown(self.name)} with the shape {self._shape_name()}"
             raise ModelError(
                 f"surface: {held} has none that can be touched, expected a Sphere, Cuboid, Capsule, ConvexHull or "
-                "mesh; make one with sphere, node, hole or plane"
+                "mesh; make one with sphere, capsule, rim, node, hole or plane"
             )
         if len(shape.triangles):
             check_closed(f"surface of {shown(self.name)}", np.array([p.place for p in shape.points]), shape.triangles)
@@ -98,6 +98,28 @@ class SpatialPlaced:
         """A spherical hole of ``radius`` > 0 [m] that moves with the material at ``center``, solid outside."""
         return self._round("hole", SpatialKind.HOLE, center, radius)
 
+    def capsule(self, first: Place, second: Place, radius: float) -> PlacedSurface:
+        """A rod of ``radius`` > 0 [m] with round ends about the line from ``first`` to ``second``, which are apart."""
+        ends = self._located(first, "first"), self._located(second, "second")
+        if not np.any(ends[0].place != ends[1].place):
+            raise ModelError(f"second: {shown(second)} was given, expected another place than that of first")
+        shape = SpatialSurface(SpatialKind.CAPSULE, ends, positive("radius", radius))
+        return self._made("capsule", shape, partial(_again, "capsule", first, (second, radius)))
+
+    def rim(self, center: Place, axis: npt.ArrayLike, radius: float) -> PlacedSurface:
+        """The rim of a disc: a circle of ``radius`` > 0 [m] about ``axis`` (3,) through ``center``. It touches planes.
+
+        It is carried rigidly by the material at ``center``, and touches with its lowest point C = o + R c,
+        c = -m / |m|, m = n - (n.a) a, where n is the normal of the plane and a the axis; where it stands flat, with
+        points that are fixed on it.
+        """
+        direction = _direction("axis", axis)
+        place = self._located(center, "center")
+        if not place.turns:
+            raise ModelError("center: a rim turns with its centre, expected a point whose rotation is known")
+        made = surfaces.rim(place, direction, positive("radius", radius))
+        return self._made("rim", made, partial(_again, "rim", center, (direction, radius)))
+
     def node(self, point: Place) -> PlacedSurface:
         """A single material point that may touch other surfaces."""
         shape = SpatialSurface(SpatialKind.NODE, (self._located(point, "point"),))
@@ -108,13 +130,11 @@ class SpatialPlaced:
 
         On a body it is fixed in the material at ``point``.
         """
-        direction = array_of("normal", normal, (3,))
-        if not direction.any():
-            raise ModelError(f"normal: {shown(normal)} was given, expected a direction (x, y, z), not all 0")
+        direction = _direction("normal", normal)
         place = self._located(point, "point")
         if not place.turns:
             raise ModelError("point: a plane turns with its point, expected one whose rotation is known")
-        made = surfaces.plane(place, direction / np.abs(direction).max())
+        made = surfaces.plane(place, direction)
         return self._made("plane", made, partial(_again, "plane", point, (direction,)))
 
     def _round(self, method: str, kind: SpatialKind, center: Place, radius: float) -> PlacedSurface:
@@ -145,11 +165,20 @@ class SpatialPlaced:
         return made
 
 
+def _direction(argument: str, given: npt.ArrayLike) -> FloatArray:
+    """(3,) along what was given, without overflow where that is long."""
+    direction = array_of(argument, given, (3,))
+    if not direction.any():
+        raise ModelError(f"{argument}: {shown(given)} was given, expected a direction (x, y, z), not all 0")
+    scaled: FloatArray = direction / np.abs(direction).max()
+    return scaled
+
+
 # What makes a surface again is kept with it, and is pickled with the scene: functions of this module, no inner ones.
 
 
 def _again(kind: str, place: Place, rest: tuple[Any, ...], body: SpatialPlaced) -> PlacedSurface:
     """The surface of that kind at the same place of another body."""
-    there = place.again(body) if isinstance(place, PlacedPoint) else place
-    surface: PlacedSurface = getattr(body, kind)(there, *rest)
+    there, *others = (item.again(body) if isinstance(item, PlacedPoint) else item for item in (place, *rest))
+    surface: PlacedSurface = getattr(body, kind)(there, *others)
     return surface

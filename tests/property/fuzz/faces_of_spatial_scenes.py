@@ -91,6 +91,12 @@ def spatial_parts_faces() -> list[Face]:
         Face("SpatialPlaced.plane", placed().plane, lambda: {"point": (0.0, 0.0, 0.0), "normal": axis}),
         Face("SpatialPlaced.sphere", placed().sphere, lambda: {"center": (0.0, 0.0, 0.0), "radius": 0.1}),
         Face("SpatialPlaced.hole", placed().hole, lambda: {"center": (0.0, 0.0, 0.0), "radius": 0.1}),
+        Face("SpatialPlaced.rim", placed().rim, lambda: {"center": (0.0, 0.0, 0.0), "axis": axis, "radius": 0.1}),
+        Face(
+            "SpatialPlaced.capsule",
+            placed().capsule,
+            lambda: {"first": (0.0, 0.0, 0.0), "second": (0.0, 0.0, 1.0), "radius": 0.1},
+        ),
         Face("SpatialPlaced.node", placed().node, lambda: {"point": (0.0, 0.0, 0.0)}),
         told("momentum", body="ball"),
         told("orientation", body="ball"),

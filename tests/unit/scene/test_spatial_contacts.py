@@ -55,6 +55,13 @@ def test_what_is_declared_is_compiled_by_its_names_and_laws() -> None:
         (lambda s, a, b: s.ground.plane((0, 0, 0), (0, float("nan"), 1)), "normal"),
         (lambda s, a, b: a.sphere("center", 0.0), "radius"),
         (lambda s, a, b: a.sphere("centre", 1.0), "no point"),
+        (lambda s, a, b: a.rim("center", (0, 0, 0), 1.0), "axis: .*not all 0"),
+        (lambda s, a, b: a.rim("center", UP, -1.0), "radius: -1"),
+        (lambda s, a, b: a.rim(b.point("center"), UP, 1.0), "center: .*expected a point of 'low'"),
+        (lambda s, a, b: s.contact(a.rim("center", UP, 1.0), b.surface()), "rim with one of: plane"),
+        (lambda s, a, b: s.contact(a.rim("center", UP, 1.0), b.rim("center", UP, 1.0)), "rim with one of: plane"),
+        (lambda s, a, b: a.capsule((0, 0, 0), (0, 0, 0), 1.0), "second: .*another place than that of first"),
+        (lambda s, a, b: a.capsule((0, 0, 0), (0, 0, 1), 0.0), "radius: 0"),
         (lambda s, a, b: a.node(b.point("center")), "expected a point of 'low'"),
         (lambda s, a, b: s.ground.surface(), "the ground"),
         (lambda s, a, b: s.contact(a.surface(), b.hole(UP, 1.0), node_side=b.surface()), "node_side: .*one of the two"),
@@ -133,3 +140,40 @@ def test_a_penetration_under_a_rule_is_told_by_the_names_of_its_surfaces() -> No
     scene.add(lf.Cuboid(0.2, 0.1, 0.15, mass=1.0), "sunk", position=(3.0, 0.0, -0.15))
     with pytest.raises(lf.ModelError, match=r"'ground.plane1/sunk.surface'|'sunk.surface/ground.plane1'"):
         scene.compile()
+
+
+def test_a_rim_has_the_gap_of_its_lowest_point() -> None:
+    """Of a circle of radius R about a tilted axis a over z = 0: o_z - R sqrt(1 - a_z^2)."""
+    for axis in ([0.0, 0.0, 2.0], [1.0, 2.0, -0.5], [1e200, 0.0, 0.0]):
+        scene = lf.SpatialScene()
+        body = scene.add(
+            lf.Sphere(0.1, mass=1.0), position=(0.3, -0.2, 0.5), orientation=Rotation.from_rotvec([1, 2, 3])
+        )
+        scene.contact(body.rim((0.0, 0.0, 0.1), axis, 0.2), scene.ground.plane((0.0, 0.0, 0.0), UP))
+        compiled = scene.compile()
+        table, n = near(pack(compiled.model), compiled.q.copy(), 10.0)
+        turned = Rotation.from_rotvec([1, 2, 3])
+        height = 0.5 + 0.1 * turned.apply([0.0, 0.0, 1.0])[2]
+        a = turned.apply(np.array(axis) / np.abs(axis).max())[2] / np.linalg.norm(np.array(axis) / np.abs(axis).max())
+        assert n == 1
+        assert table.gap[0] == pytest.approx(height - 0.2 * np.sqrt(1.0 - a * a), abs=1e-15)
+
+
+def test_a_capsule_on_a_body_touches_as_a_body_that_is_one() -> None:
+    turned = Rotation.from_rotvec([0.3, -0.5, 0.2])
+    scene = lf.SpatialScene()
+    own = scene.add(lf.Capsule(0.1, 0.4, mass=1.0), position=(0.0, 0.0, 1.0), orientation=turned)
+    made = scene.add(lf.SpatialBody(mass=1.0, inertia=np.eye(3)), position=(0.0, 0.0, 1.0), orientation=turned)
+    ball = scene.add(lf.Sphere(0.1, mass=1.0), position=(0.5, 0.1, 1.1))
+    floor = scene.ground.plane((0.0, 0.0, 0.0), UP)
+    rod = made.capsule((0.0, 0.0, -0.2), (0.0, 0.0, 0.2), 0.1)
+    for surface in (own.surface(), rod):
+        scene.contact(surface, floor)
+        scene.contact(surface, ball.surface())
+    compiled = scene.compile()
+    table, n = near(pack(compiled.model), compiled.q.copy(), 10.0)
+    gaps = {law: sorted(table.gap[:n][table.law[:n] == law]) for law in range(4)}
+    assert len(gaps[0]) == 2
+    assert len(gaps[1]) == 1
+    np.testing.assert_allclose(gaps[0], gaps[2], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(gaps[1], gaps[3], rtol=0, atol=1e-15)
