@@ -61,6 +61,14 @@ if TYPE_CHECKING:
         spatial_slider_crank as spatial_slider_crank,
         spherical_pendulum as spherical_pendulum,
     )
+    from lcpflex.gallery.mechanisms.space_contact import (
+        billiard_ball as billiard_ball,
+        euler_disc as euler_disc,
+        puck as puck,
+        rolling_disc as rolling_disc,
+        sliding_puck as sliding_puck,
+        tippe_top as tippe_top,
+    )
     from lcpflex.gallery.mechanisms.stops import (
         elastic_stop as elastic_stop,
         hinged_beam as hinged_beam,

@@ -1,0 +1,60 @@
+"""Orders of friction in space: of steps while bodies slide on curves, and of discs that roll on their rims."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import lcpflex as lf
+from lcpflex.gallery.acceptance.check import Check
+from lcpflex.gallery.acceptance.space_contact import checks
+from lcpflex.runs.simulate import Stepper
+from tests.rates import assert_rate
+
+CHECKS = {check.label: check for check in checks()}
+STEPS = np.array([4e-3, 2e-3, 1e-3, 5e-4])
+
+
+def errors(check: Check, steppers: list[Stepper]) -> np.ndarray:
+    """(steppers, quantities)."""
+    results = [check.run(stepper) for stepper in steppers]
+    return np.array([[quantity.error(result) for quantity in check.quantities] for result in results])
+
+
+def test_moreau_jean_has_order_one_on_a_path_that_friction_bends() -> None:
+    found = errors(CHECKS["sliding_puck"], [lf.MoreauJean(step=step) for step in STEPS])
+    assert_rate(STEPS, found, 1.0, 0.1)
+    assert found[2].max() < 1.2e-3  # 4e-4 across and 1e-3 down, with steps of 1 ms
+
+
+def test_generalised_alpha_has_order_two_there() -> None:
+    found = errors(CHECKS["sliding_puck"], [lf.GeneralizedAlpha(step=step) for step in STEPS])
+    assert_rate(STEPS, found, 2.0, 0.2)
+
+
+@pytest.mark.parametrize("stepper", [lf.MoreauJean, lf.GeneralizedAlpha])
+def test_a_disc_that_rolls_about_its_centre_keeps_its_lean_to_order_two(stepper: type) -> None:
+    """The point of contact sticks: the path is smooth."""
+    steps = np.array([1e-3, 5e-4, 2.5e-4])
+    found = errors(CHECKS["euler_disc"], [stepper(step=step) for step in steps])
+    assert_rate(steps, found, 2.0, 0.25)
+
+
+@pytest.mark.parametrize("stepper", [lf.MoreauJean, lf.GeneralizedAlpha])
+def test_a_disc_that_rolls_too_slowly_falls_over_at_the_rate_of_small_leans(stepper: type) -> None:
+    """sinh(k t) / k with k^2 = 4 g / (5 R) - 12 v^2 / (5 R^2) for v = .5 m/s, and a lean of .421 degrees at 1.5 s."""
+    rate = np.sqrt(0.8 * 9.81 / 0.1 - 2.4 * 25.0)
+    expected = 1e-4 * np.sinh(1.5 * rate) / rate
+    leans = []
+    for step in (5e-4, 2.5e-4):
+        result = lf.simulate(lf.gallery.rolling_disc(speed=0.5), 1.5, stepper(step=step), record=0.5)
+        leans.append(-np.arcsin(result.orientation("disc").apply([0.0, 0.0, 1.0])[-1, 2]))
+    assert abs(leans[1] / expected - 1.0) < 0.015
+    assert abs(leans[1] - expected) < abs(leans[0] - expected) + 1e-3 * expected
+
+
+def test_event_driven_steps_follow_their_tolerance() -> None:
+    for label in CHECKS:
+        loose, tight = errors(CHECKS[label], [lf.EventDriven(rtol=1e-5), lf.EventDriven(rtol=1e-8)])
+        assert tight.max() < 5e-5
+        assert tight.max() <= max(1e-2 * loose.max(), 5e-5)
