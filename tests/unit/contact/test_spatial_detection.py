@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
@@ -84,3 +85,20 @@ def test_a_plane_moves_with_its_body() -> None:
     up = TURN.apply([0.0, 0.0, 1.0])
     assert n == 1
     assert abs(table.gap[0] - ((np.array([0.0, 0.0, 1.0]) - PLACE) @ up - 0.05 - 0.1)) < 1e-15
+
+
+@pytest.mark.parametrize("depth", [0.0, 1e-9, 1e-7, 1e-5, 1e-3])
+@pytest.mark.parametrize(("place", "size"), [((0.0, 0.08), (0.04, 0.08)), ((0.0, 0.03), (0.03, 0.03))])
+def test_faces_that_are_pressed_into_each_other_touch_across_them_alone(
+    depth: float, place: tuple[float, float], size: tuple[float, float]
+) -> None:
+    scene = lf.SpatialScene()
+    box = scene.add(lf.Cuboid(0.06, 0.06, 0.06, mass=0.5), position=(0.0, 0.0, 0.03))
+    finger = scene.add(lf.Cuboid(0.02, *size, mass=0.1), position=(-0.04, *place))
+    scene.contact(finger.surface(), box.surface())
+    compiled = scene.compile()
+    q = compiled.q.copy()
+    q[7] += depth
+    told = compiled.at(q, compiled.u)
+    np.testing.assert_allclose(told.gaps, np.full(4, -depth), atol=1e-15)
+    np.testing.assert_allclose(told.normals, np.tile([-1.0, 0.0, 0.0], (4, 1)), atol=1e-12)
