@@ -75,7 +75,7 @@ class ContactPoints:
         )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ContactHistory:
     """One declared contact over the m stored instants."""
 
@@ -94,6 +94,12 @@ class ContactHistory:
     located: str = INSTANTS  # by what touches are, see :class:`lcpflex.results.contact_windows.ContactWindow`
     told_of_steps: bool = True  # whether an instant tells of the step before it, as under time stepping
     noise: float = 0.0  # [N s] impulses in an interval up to this are no touch: what solving equations leaves
+
+    def __repr__(self) -> str:
+        """What happened, and not the arrays."""
+        touch = self.first_touch
+        told = "never touched" if touch is None else f"first touch at {touch:.6g} s, peak force {self.peak_force:.4g} N"
+        return f"<contact {self.name!r}: {len(self.times)} stored instants, {told}>"
 
     def windows(self) -> tuple[ContactWindow, ...]:
         """Each touch: begin, end, peak force, impulse, and the shares of it that stuck and slipped."""

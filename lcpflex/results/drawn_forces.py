@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -11,6 +11,8 @@ from lcpflex.results.places import world_places
 from lcpflex.results.summary import with_unit
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
 
     from lcpflex.compile.compiled_scene import CompiledScene
@@ -18,15 +20,18 @@ if TYPE_CHECKING:
     from lcpflex.results.drawing import View
     from lcpflex.results.result import Result
 
-__all__ = ["arrow_tips", "draw_forces", "usual_force"]
+__all__ = ["CUT", "SEEN", "Placed", "arrow_length", "arrow_tips", "draw_arrows", "draw_forces", "usual_force"]
+
+Placed: TypeAlias = "tuple[FloatArray, FloatArray, float, bool]"  # foot, tip, force [N], whether the arrow is cut
 
 _FORCE = "#D55E00"
+_GROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}  # of words
 _ARROW = 0.2  # largest length of an arrow of the usual force, relative to the picture
 _SHORTEST = 0.07  # likewise, where the bodies that touch are small
 _BODY_SHARE = 0.7  # length of that arrow, relative to the bodies that touch: arrows of a stack do not overlap
-_LONGEST = 1.5  # a force beyond so many usual ones has a cut arrow, and its number beside
+CUT = 1.5  # a force beyond so many usual ones has a cut arrow, and its number beside
 _NUMBERED = 8  # of them, the largest ones: numbers of a pile would hide each other
-_SEEN = 1e-3  # forces below this share of the usual one are not drawn
+SEEN = 1e-3  # forces below this share of the usual one are not drawn
 _CORNER = 1e-6  # sides whose distances differ by less meet at the place [m]
 
 
@@ -56,8 +61,12 @@ def draw_forces(ax: Axes, result: Result, compiled: CompiledScene, record: int, 
     if scale <= 0.0:
         return
     length = _arrow_length(result, compiled, view)
+    draw_arrows(ax, _arrows(result, compiled, record, length, scale), view, length, scale)
+
+
+def draw_arrows(ax: Axes, arrows: Sequence[Placed], view: View, length: float, scale: float) -> None:
+    """Arrows whose places are those of the picture, and a key."""
     _force_key(ax, view, length / scale, scale)
-    arrows = _arrows(result, compiled, record, length, scale)
     numbered = _least_numbered([size for _, _, size, cut in arrows if cut])
     for place, tip, size, cut in arrows:
         _arrow(ax, place, tip)
@@ -65,7 +74,9 @@ def draw_forces(ax: Axes, result: Result, compiled: CompiledScene, record: int, 
         if cut and size >= numbered:
             label = f" {with_unit(float(f'{size:.2g}'), 'N')} "
             side = "left" if tip[0] >= place[0] else "right"
-            ax.text(tip[0], tip[1], label, ha=side, va="center", fontsize="x-small", color=_FORCE, zorder=6)
+            ax.text(
+                tip[0], tip[1], label, ha=side, va="center", fontsize="x-small", color=_FORCE, bbox=_GROUND, zorder=6
+            )
 
 
 def _least_numbered(sizes: list[float]) -> float:
@@ -73,9 +84,7 @@ def _least_numbered(sizes: list[float]) -> float:
     return sorted(sizes)[-_NUMBERED] if len(sizes) >= _NUMBERED else 0.0
 
 
-def _arrows(
-    result: Result, compiled: CompiledScene, record: int, length: float, scale: float
-) -> list[tuple[FloatArray, FloatArray, float, bool]]:
+def _arrows(result: Result, compiled: CompiledScene, record: int, length: float, scale: float) -> list[Placed]:
     """Foot, tip, force [N] of each arrow, and whether it is shorter than the force asks for."""
     touching, found = result.contact_points, []
     for k in np.flatnonzero(touching.record == record):
@@ -83,9 +92,9 @@ def _arrows(
         tangent = np.array([normal[1], -normal[0]])  # it turns with the normal: the numbers hold for either body
         force = touching.force[k, 0] * normal + touching.force[k, 1] * tangent
         size = float(np.hypot(*force))
-        if size > _SEEN * scale:
-            tip = touching.place[k] + force / size * length * min(size / scale, _LONGEST)
-            found.append((touching.place[k], tip, size, size > _LONGEST * scale))
+        if size > SEEN * scale:
+            tip = touching.place[k] + force / size * length * min(size / scale, CUT)
+            found.append((touching.place[k], tip, size, size > CUT * scale))
     return found
 
 
@@ -97,6 +106,11 @@ def _arrow_length(result: Result, compiled: CompiledScene, view: View) -> float:
     touching = np.isin(contacts.pass_law, result.contact_points.contact)
     sides = contacts.surface_body[[*contacts.pass_node[touching], *contacts.pass_feature[touching]]]
     sizes = [extents[body] for body in np.unique(sides) if body in extents]
+    return arrow_length(picture, sizes)
+
+
+def arrow_length(picture: float, sizes: Sequence[float]) -> float:
+    """Likewise, of bodies of these ``sizes`` in a picture whose longer side is ``picture`` [m]."""
     wanted = _BODY_SHARE * min(sizes, default=picture)
     return float(np.clip(wanted, _SHORTEST * picture, _ARROW * picture))
 
@@ -127,8 +141,7 @@ def _force_key(ax: Axes, view: View, stretch: float, scale: float) -> None:
     start = tip - (force * stretch, 0.0)
     _arrow(ax, start, tip)
     label = f"{with_unit(force, 'N')}  "
-    ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
-    ax.text(start[0], y, label, ha="right", va="center", fontsize="small", color=_FORCE, bbox=ground, zorder=6)
+    ax.text(start[0], y, label, ha="right", va="center", fontsize="small", color=_FORCE, bbox=_GROUND, zorder=6)
 
 
 def _towards_later(result: Result, compiled: CompiledScene, point: int) -> float:

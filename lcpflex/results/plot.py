@@ -50,11 +50,13 @@ def draw(
     in the corner gives; an arrow that would be more than half as long again is cut and has its force beside it.
     ``axes`` draws into axes of your own.
 
-    Spatial scenes are seen in parallel projection: bodies with light and a shadow straight below them, on a floor that
-    lies just under the lowest point and is no part of the scene; joints as circles, those with a sliding direction as
-    squares, with a triangle below where they hold to the ground, fainter behind other bodies. A body without a shape is
-    the homogeneous ellipsoid of its inertia, with lines to what holds it. view: elevation and azimuth of the camera
-    [deg]. frames: with the axes of all bodies, x red, y green, z blue. scale: times that deformations are drawn larger.
+    Spatial scenes are seen in parallel projection: bodies with light and a shadow straight below them, on a floor
+    that lies just under the lowest point and is no part of the scene; joints as circles, those with a sliding
+    direction as squares, with a triangle below where they hold to the ground, fainter behind other bodies. A body
+    without a shape is the homogeneous ellipsoid of its inertia, with lines to what holds it. Planes of the ground
+    that are not level are translucent. Arrows of forces are in front of all, and are shorter where they point to or
+    from the camera. view: elevation and azimuth of the camera [deg]. frames: with the axes of all bodies, x red, y
+    green, z blue. scale: times that deformations are drawn larger.
 
     Raises ModelError for a time outside the simulation and for systems without a scene.
     """

@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.basics import libs
+from lcpflex.results.drawn_forces import draw_arrows
 from lcpflex.results.spatial.camera import Look, camera_of
+from lcpflex.results.spatial.contact_arrows import ContactArrows
 from lcpflex.results.spatial.floor import AXIS_COLOURS, OUTSIDE, draw_floor, floor_under, scales
+from lcpflex.results.spatial.ground import draw_patches, patches
 from lcpflex.results.spatial.raster import (
     FINER,
     NOBODY,
@@ -57,12 +60,14 @@ class SpatialPicture:
         self._scenery = Scenery(compiled)
         self._camera = camera_of(look.view, compiled.model.loads.gravity)
         self._pixels: tuple[int, int] | None = None
+        self._arrows = ContactArrows(result, compiled, {one.body: one.extent for one in self._scenery.drawn})
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
         sights = np.array([[np.inf] * 2, [-np.inf] * 2])
         records = records[:: max(1, len(records) // _RECORDS)]
         self._arms = max(self._broad(result.q[record]) for record in records) if look.frames else 0.0
-        for record in records:
-            places = self._swept(result.q[record])
+        swept = [self._swept(result.q[record]) for record in records]
+        self._patches = patches(compiled.model, np.concatenate(swept), self._camera.floor[2])
+        for places in (*swept, *self._patches):
             along = places @ self._camera.floor.T
             low, high = np.minimum(low, along.min(axis=0)), np.maximum(high, along.max(axis=0))
             seen = self._camera.seen(places)[:, :2]
@@ -75,10 +80,16 @@ class SpatialPicture:
         side = float(np.ptp(seen, axis=0).max())
         a_point = side * (1.0 + 2.0 * _ROOM) / (72.0 * _LONGEST)
         outside = [scale.line.mean(axis=0) + OUTSIDE * a_point * scale.out for scale in borders]
-        seen = np.concatenate([seen, *(place[None] for place in outside)])
+        self._arrows.measure(side)
+        seen = np.concatenate([seen, self._tips(records), *(place[None] for place in outside)])
         first, last = seen.min(axis=0) - _ROOM * side, seen.max(axis=0) + _ROOM * side
         self.view = float(first[0]), float(last[0]), float(first[1]), float(last[1])
         self._side = side  # [m] of the longer side, without room
+
+    def _tips(self, records: IntArray) -> FloatArray:
+        """(k, 2) where arrows of forces end in the picture."""
+        tips = [arrow.tip for record in records.tolist() for arrow in self._arrows.at(record)]
+        return np.asarray(self._camera.seen(np.array(tips).reshape(-1, 3))[:, :2])
 
     def _swept(self, q: FloatArray) -> FloatArray:
         """(k, 3) places that the picture has to hold at a configuration."""
@@ -108,6 +119,7 @@ class SpatialPicture:
         ax.set_ylim(self.view[2], self.view[3])
         ax.set_axis_off()
         draw_floor(ax, self.floor, self._camera)
+        draw_patches(ax, self._patches, self._camera)
 
     def fit(self, ax: Axes) -> None:
         """From now on, draw with as many pixels as the axes have, for films."""
@@ -126,6 +138,17 @@ class SpatialPicture:
         style = "nearest" if self._pixels else "antialiased"
         ax.imshow(picture, extent=self.view, origin="lower", interpolation=style, zorder=1, aspect="equal")
         self._draw_marks(ax, q, canvas)
+        self._draw_forces(ax, record)
+
+    def _draw_forces(self, ax: Axes, record: int) -> None:
+        """In front of all: a contact is between bodies, where nothing of it is seen."""
+        if self._arrows.usual <= 0.0:
+            return
+        found = [
+            (*self._camera.seen(np.array([arrow.foot, arrow.tip]))[:, :2], arrow.force, arrow.cut)
+            for arrow in self._arrows.at(record)
+        ]
+        draw_arrows(ax, found, self.view, self._arrows.length, self._arrows.usual)
 
     def canvas(self, q: FloatArray, rows: int, columns: int) -> tuple[Canvas, Any]:
         """What is nearest at each pixel, and the shadow on the floor, at a configuration."""

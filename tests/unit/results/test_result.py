@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import lcpflex as lf
 from lcpflex.errors import ModelError
 from lcpflex.results.energy_balance import Energies
 from lcpflex.results.result import STICK, Result
@@ -194,3 +195,13 @@ def test_shares_sum_to_one(swing: Result) -> None:
     state[:10, k] = STICK
     shares = replace(swing, state=state).contact("disc on floor").shares
     assert shares == pytest.approx((0.0, 10 / 41, 31 / 41))
+
+
+def test_a_contact_is_told_in_a_line() -> None:
+    scene = lf.Scene()
+    ball = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.0, 0.11))
+    scene.contact(ball.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor")
+    result = lf.simulate(scene, 0.01, lf.MoreauJean(step=1e-3))
+    assert repr(result.contact("floor")) == "<contact 'floor': 11 stored instants, never touched>"
+    result = lf.simulate(scene, 0.1, lf.MoreauJean(step=1e-3))
+    assert "floor': 101 stored instants, first touch at 0.04" in repr(result.contact("floor"))

@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.text import Annotation
 from PIL import Image
+from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
 from lcpflex.bodies.spatial.body import SpatialBody, SpatialPoint
@@ -23,8 +25,10 @@ from lcpflex.model.arrays import frozen
 from lcpflex.results.energy_balance import Energies
 from lcpflex.results.result import ContactPoints, Result
 from lcpflex.results.spatial.camera import Look, camera_of
+from lcpflex.results.spatial.contact_arrows import ContactArrows
 from lcpflex.results.spatial.facets import Facets, ellipsoid, facets_of
 from lcpflex.results.spatial.floor import AXIS_COLOURS
+from lcpflex.results.spatial.ground import patches
 from lcpflex.results.spatial.picture import SpatialPicture
 from lcpflex.results.spatial.raster import NOBODY
 from lcpflex.results.spatial.scenery import Scenery, coil
@@ -370,3 +374,73 @@ def test_axes_of_bodies_are_not_cut_off() -> None:
     highest = picture.view[2] + rows.max() / 600 * (picture.view[1] - picture.view[0])
     assert highest == pytest.approx(0.45 * 0.2, abs=3e-3)  # the axis z, as long as it may be in a picture of that box
     assert highest < picture.view[3]
+
+
+def sliding(tilt: float) -> Result:
+    """A box of 2 kg that slides down a plane which leans by ``tilt`` [rad] about y, with mu = .1."""
+    turned = Rotation.from_rotvec([0.0, tilt, 0.0])
+    up = turned.apply([0.0, 0.0, 1.0])
+    scene = lf.SpatialScene()
+    box = scene.add(
+        lf.Cuboid(0.2, 0.1, 0.1, mass=2.0), position=0.05 * up, orientation=turned, velocity=turned.apply([1.0, 0, 0])
+    )
+    scene.contact(box.surface(), scene.ground.plane((0.0, 0.0, 0.0), up), friction=0.1)
+    return lf.simulate(scene, 0.02, lf.MoreauJean(step=1e-3))
+
+
+def test_arrows_are_the_forces_on_the_body_in_the_picture() -> None:
+    """Of equal scale: they sum up to m g cos(tilt) (n - mu t), whose part across the camera is seen."""
+    tilt = 0.4
+    result = sliding(tilt)
+    camera = camera_of(SIDE, np.array([0.0, 0.0, -9.81]))
+    figure = result.draw(0.02, view=SIDE)
+    arrows = [one for one in figure.axes[0].texts if isinstance(one, Annotation) and one.arrow_patch is not None]
+    ends = np.array([np.subtract(one.xy, one.xyann) for one in arrows])
+    key, seen = ends[0], ends[1:]
+    assert len(seen) == 4
+    scale = float(next(one.get_text() for one in figure.axes[0].texts if one.get_text().strip()).split()[0])  # [N]
+    total = seen.sum(axis=0) * scale / np.linalg.norm(key)
+    turned = Rotation.from_rotvec([0.0, tilt, 0.0])
+    expected = 2.0 * 9.81 * np.cos(tilt) * turned.apply([-0.1, 0.0, 1.0])
+    np.testing.assert_allclose(total, camera.seen(expected)[:2], rtol=1e-6, atol=1e-6)
+
+
+def test_a_plane_of_the_ground_is_drawn_where_the_floor_is_not_it() -> None:
+    assert len(draw_patches_of(sliding(0.4))) == 1
+    assert len(draw_patches_of(sliding(0.0))) == 0
+    corners = draw_patches_of(sliding(0.4))[0]
+    np.testing.assert_allclose(corners @ [np.sin(0.4), 0.0, np.cos(0.4)], 0.0, atol=1e-15)
+
+
+def draw_patches_of(result: Result) -> list[FloatArray]:
+    assert result.compiled is not None
+    return patches(result.compiled.model, np.array([[0.0, 0.0, 0.0], [0.3, 0.2, 0.1]]), np.array([0.0, 0.0, 1.0]))
+
+
+def test_of_two_bodies_the_later_one_has_the_arrow_whatever_was_declared_first() -> None:
+    for turned in (False, True):
+        scene = lf.SpatialScene()
+        low = scene.add(lf.Cuboid(0.2, 0.2, 0.2, mass=3.0), "low", position=(0.0, 0.0, 0.1))
+        high = scene.add(lf.Sphere(0.1, mass=1.0), "high", position=(0.0, 0.0, 0.3))
+        pair = (high, low) if turned else (low, high)
+        scene.contact(*(body.surface() for body in pair))
+        scene.contact(scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)), low.surface())
+        result = lf.simulate(scene, 0.01, lf.MoreauJean(step=1e-3))
+        assert result.compiled is not None
+        arrows = ContactArrows(result, result.compiled, {0: 0.2, 1: 0.2})
+        arrows.measure(1.0)
+        found = arrows.at(len(result.times) - 1)
+        assert len(found) == 5
+        assert all(arrow.tip[2] > arrow.foot[2] for arrow in found)
+        assert max(arrow.force for arrow in found) == pytest.approx(9.81)
+        lengths = [np.linalg.norm(arrow.tip - arrow.foot) / arrow.force for arrow in found if not arrow.cut]
+        np.testing.assert_allclose(lengths, arrows.length / arrows.usual, rtol=1e-12)
+
+
+def test_arrows_stay_within_the_picture() -> None:
+    result = sliding(0.4)
+    axes = result.draw(0.02).axes[0]
+    tips = np.array([one.xy for one in axes.texts if isinstance(one, Annotation) and one.arrow_patch is not None])
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    assert (tips > [left, low]).all()
+    assert (tips < [right, high]).all()
