@@ -11,6 +11,7 @@ from tests.examples import EXAMPLES, example
 
 STUDIES = (
     "ball_on_rod",
+    "chain_of_rings",
     "claw",
     "claw_in_step",
     "cross_check_solvers",
