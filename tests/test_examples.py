@@ -19,6 +19,7 @@ STUDIES = (
     "flexible_pendulum_micro_collisions",
     "four_strikers",
     "free_fall_and_strike",
+    "gripper",
     "hopper_and_silo",
     "many_laws",
     "own_method",
