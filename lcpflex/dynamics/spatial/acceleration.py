@@ -5,18 +5,22 @@
 A contact that slides has no tangential unknown: its friction points against its slip velocity gamma, a vector in the
 tangent plane, and is a part of its normal column. The right-hand side is smooth as long as |gamma| > 0. Where gamma is
 no more than the threshold below which slip counts as none, the direction is the one that is kept of each contact, as
-a world vector: that in which the problem of accelerations lets it begin to slide, or that of its last step.
+a world vector: that in which the problem of accelerations lets it begin to slide, or that of its last step. Where it
+has just begun, it is kept up to a thousand thresholds: slip that grows as slowly as the load turns at the rate
+mu g / |gamma| into its direction, and steps that follow that were many and short.
 
-Contacts that stick are bilateral in both tangents. Where they share a load in many ways, their forces are those nearest
-to a reference: none at first, so that they are the shortest, and those of the problem of accelerations where the
-shortest ones break Coulomb's law, although others do not.
+Contacts that stick are bilateral in both tangents. Where they share a load in many ways, their forces are the shortest.
+Where the shortest break Coulomb's law, although others do not, they are those nearest to a reference that was chosen at
+the last event as far inside the law as there is (:mod:`lcpflex.solvers.contact.cones.reserve`), in the norm
+sum x_N^2 / lambda_N + |x_T|^2 / (mu lambda_N) of that reference: contacts that carry more take more.
 """
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
-from lcpflex.dynamics.acceleration import FORCE, POSITION, VELOCITY, solve_consistent
+from lcpflex.dynamics.acceleration import FORCE, POSITION, VELOCITY, eliminate, shorten, solve_consistent
 from lcpflex.dynamics.delassus import delassus, row_velocity
 from lcpflex.dynamics.impulse import answer_joints
 from lcpflex.dynamics.joint_response import condense
@@ -30,6 +34,7 @@ from lcpflex.solvers.contact.index_sets import SLIDE_FORTH, SMOOTH, STICKING
 
 __all__ = [
     "BEGINS",
+    "ON_ITS_WAY",
     "SLIDING",
     "SLOW",
     "SpatialContactSets",
@@ -46,6 +51,8 @@ __all__ = [
 ]
 
 SLIDING = SLIDE_FORTH  # along ``direction``
+LIGHTEST = 1e-6  # of the largest force of the reference: less weighs no less
+ON_ITS_WAY = 1e3  # thresholds: what is faster slides as it moves, not as it was to begin
 FAST, SLOW, BEGINS = 0, 1, 2  # ContactSets.youth of a contact that slides
 
 
@@ -74,6 +81,7 @@ class SpatialContactSets:
     solution: FloatArray = array("rows")
     reference: FloatArray = array("rows")
     scale: FloatArray = array("rows")
+    slack: FloatArray = array("rows")
     order: IntArray = array("rows")
     problem: MixedProblem
     level: int
@@ -122,7 +130,7 @@ def find_slips(work: SpatialWork, sets: SpatialContactSets, u: FloatArray) -> No
             continue
         first, second = slip_of(work, sets, k, u)
         size = math.hypot(first, second)
-        if not size > sets.slow:
+        if not size > sets.slow * (1.0 if sets.youth[k] == FAST else ON_ITS_WAY):
             t, s = across(work, k)
             kept = row_vector(sets.direction, k)
             first, second = dot(kept, t), dot(kept, s)
@@ -217,6 +225,49 @@ def refer(work: SpatialWork, sets: SpatialContactSets, m: int) -> None:
 
 
 @kernel
+def weigh(work: SpatialWork, sets: SpatialContactSets, m: int, rank: int) -> None:
+    """Columns of the eliminated system by the roots of the forces of the reference, which go to ``slack``."""
+    n, largest = work.problem.n_contacts, 0.0
+    for c in range(n):
+        largest = max(largest, sets.reference[c])
+    for c in range(n):
+        force, t = max(sets.reference[c], LIGHTEST * largest), sets.at[c]
+        sets.slack[c] = math.sqrt(force / largest) if largest > 0.0 else 1.0
+        if t >= 0:
+            sets.slack[t] = sets.slack[c] * math.sqrt(work.mu[work.part[c]])
+            sets.slack[t + 1] = sets.slack[t]
+    for r in range(m):
+        sets.slack[r] /= sets.scale[r]
+    for k in range(rank):
+        for j in range(k, m):
+            sets.reduced[k, j] *= sets.slack[sets.order[j]]
+
+
+@kernel
+def solve_nearest(work: SpatialWork, sets: Any, m: int) -> None:
+    """solution = -reduced^-1 right, the one nearest to ``reference`` where rows are dependent; see ``refer``."""
+    a, b = sets.reduced, sets.right
+    for i in range(m):
+        sets.order[i] = i
+        sets.scale[i] = 1.0 / math.sqrt(abs(a[i, i])) if a[i, i] != 0.0 else 1.0
+    for i in range(m):
+        b[i] *= -sets.scale[i]
+        for j in range(m):
+            a[i, j] *= sets.scale[i] * sets.scale[j]
+    rank = eliminate(sets, m)
+    weigh(work, sets, m, rank)
+    for k in range(rank - 1, -1, -1):
+        for j in range(k + 1, rank):
+            b[k] -= a[k, j] * b[j]
+        b[k] /= a[k, k]
+    if rank < m:
+        shorten(sets, rank, m)
+    for k in range(m):
+        i = sets.order[k]
+        sets.solution[i] = sets.reference[i] + b[k] * sets.slack[i] * sets.scale[i]
+
+
+@kernel
 def solve_sets(work: SpatialWork, sets: SpatialContactSets, level: int) -> None:
     """Forces or impulses ``work.p`` of all rows with the sets as they are, island by island."""
     sets.level = level
@@ -226,10 +277,9 @@ def solve_sets(work: SpatialWork, sets: SpatialContactSets, level: int) -> None:
         referred = level == FORCE and sets.referred == 1
         if referred:
             refer(work, sets, m)
-        solve_consistent(sets, m)
-        if referred:
-            for r in range(m):
-                sets.solution[r] += sets.reference[r]
+            solve_nearest(work, sets, m)
+        else:
+            solve_consistent(sets, m)
         spread(work, sets, sets.solution)
     work.islands.next = work.islands.count
     answer_joints(work)

@@ -27,6 +27,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import OPEN
 from lcpflex.solvers.contact.cones.ambiguity import several_forces
 from lcpflex.solvers.contact.cones.mixed import solve_mixed
+from lcpflex.solvers.contact.cones.reserve import UNIQUE, most_reserve
 from lcpflex.solvers.contact.index_sets import SMOOTH, STICKING
 from lcpflex.steppers.event_driven.memory import CONE, PRESSURE, EventSettings, copy_entry
 from lcpflex.steppers.event_driven.segment import FORCE_TOLERANCE
@@ -37,6 +38,7 @@ __all__ = ["fall_back", "keep_sets", "note_paradox", "read_sets", "solve_on_sets
 
 CARRIES = 1e-10  # as in the plane
 INSIDE = 1e-6
+LIMIT = 1e-9  # reserve of contacts that share a load, over their largest force, at which they begin to slide
 
 
 @kernel
@@ -114,34 +116,82 @@ def rests(sets: SpatialContactSets, r: int) -> bool:
 
 
 @kernel
+def share_load(work: SpatialWork, sets: SpatialContactSets, largest: float) -> float:
+    """The forces of contacts at rest with most reserve, to ``problem.x``; their reserve over the ``largest`` force."""
+    problem = sets.problem
+    for c in range(problem.n):
+        t = sets.at[c]
+        free = rests(sets, c) and sets.mode[work.part[c]] != SLIDING
+        free = free and (t < 0 or (rests(sets, t) and rests(sets, t + 1)))
+        problem.rests[c] = 1 if free else 0
+    reserve = most_reserve(problem, largest)
+    if reserve > UNIQUE:
+        for r in range(problem.m):
+            problem.r[r] = problem.x[r]
+        spread(work, sets, problem.r)
+    return reserve
+
+
+@kernel
+def at_limit(work: SpatialWork, sets: SpatialContactSets, c: int, largest: float) -> None:
+    """Contact c at rest, of several that have no reserve: it slides where no choice of forces takes it off its edge."""
+    k, t, x = work.part[c], sets.at[c], sets.problem.r
+    friction = math.hypot(x[t], x[t + 1])
+    if x[c] > INSIDE * largest and friction >= sets.problem.friction[c] * (x[c] - INSIDE * largest) and friction > 0.0:
+        keep_direction(work, sets, k, -x[t], -x[t + 1])
+        sets.youth[k] = BEGINS
+        sets.fallback[k] = SLIDING
+        sets.tried[k] = SLIDING
+
+
+@kernel
+def at_edge(work: SpatialWork, sets: SpatialContactSets, c: int) -> None:
+    """Contact c slides where its force is at the edge and it moves; where it does not move, it may stick for a try."""
+    k, t, x = work.part[c], sets.at[c], sets.problem.r
+    friction = math.hypot(x[t], x[t + 1])
+    if friction >= sets.problem.friction[c] * x[c] * (1.0 - FORCE_TOLERANCE):
+        keep_direction(work, sets, k, -x[t], -x[t + 1])
+        sets.youth[k] = BEGINS
+        sets.fallback[k] = SLIDING
+        if not (rests(sets, t) and rests(sets, t + 1)):
+            sets.tried[k] = SLIDING
+
+
+@kernel
 def read_sets(work: SpatialWork, memory: Any) -> None:
-    """What each contact of the island just solved does: see the plane."""
+    """What each contact of the island just solved does: see the plane.
+
+    Those at rest that share a load in many ways stick as long as any forces keep them all inside Coulomb's law.
+    """
     sets = memory.sets
     problem, x = sets.problem, sets.problem.r
-    largest = 0.0
+    scale, largest = 0.0, 0.0
     for c in range(problem.n):
+        scale = max(scale, x[c])
         largest = max(largest, x[c])
         if work.G[c, c] > 0.0:
             largest = max(largest, abs(sets.free[c]) / work.G[c, c])
+    for c in range(problem.n):
+        sets.kept[work.part[c]] = 0 if x[c] <= CARRIES * largest else 1
+    reserve = share_load(work, sets, scale)
     others = False
     for c in range(problem.n):
         k, t = work.part[c], sets.at[c]
-        kept = not x[c] <= CARRIES * largest
+        shared = reserve > UNIQUE and problem.rests[c] == 1
+        if shared and reserve > LIMIT:
+            sets.kept[k] = 1
+        kept = sets.kept[k] == 1
         put_force(work, sets, k)
         sets.tried[k] = sets.mode[k]
         sets.fallback[k] = sets.mode[k]
         if t >= 0 and kept:
-            friction = math.hypot(x[t], x[t + 1])
-            if friction >= problem.friction[c] * x[c] * (1.0 - FORCE_TOLERANCE):
-                keep_direction(work, sets, k, -x[t], -x[t + 1])
-                sets.youth[k] = BEGINS
-                sets.fallback[k] = SLIDING
-                if not (rests(sets, t) and rests(sets, t + 1)):
-                    sets.tried[k] = SLIDING
+            if not shared:
+                at_edge(work, sets, c)
+            elif reserve <= LIMIT:
+                at_limit(work, sets, c, scale)
         if not kept and others and largest > 0.0 and rests(sets, c):
             memory.spared = 1 + work.table.law[k]
         others = others or kept
-        sets.kept[k] = 1 if kept else 0
 
 
 @kernel
@@ -167,15 +217,13 @@ def keep_sets(n: int, work: SpatialWork, memory: Any) -> None:
 def fall_back(memory: Any) -> None:
     """Return to the problem of accelerations where what was tried breaks Coulomb's law.
 
-    Tried were the shortest forces, and sticking of contacts at the edge that do not move.
+    Tried were the shortest forces, and sticking of contacts at the edge that do not move. What is as near to the edge
+    as it is at the event would break the law again at once.
     """
     sets = memory.sets
     held = True
     for k in range(memory.n_contacts):
-        inside = -FORCE_TOLERANCE * memory.force
-        if sets.mode[k] != sets.fallback[k]:
-            inside = INSIDE * memory.force
-        held = held and memory.value[PRESSURE, k] >= 0.0 and memory.value[CONE, k] >= inside
+        held = held and memory.value[PRESSURE, k] >= 0.0 and memory.value[CONE, k] >= INSIDE * memory.force
     if not held:
         sets.referred = 1
         for k in range(memory.n_contacts):

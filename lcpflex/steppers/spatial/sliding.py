@@ -3,7 +3,7 @@
 A contact that slides is watched by its slip: |gamma| - v_s, v_s the threshold below which slip counts as none. |gamma|
 has no change of sign to be found by, so no step is longer than a part of |gamma| / |gammadot|: none passes over the
 place where it is least. A contact that has just begun to slide is slower than v_s at first. It is watched by
-d . gamma + 2 v_s, d the direction that it was to slide in, until it is faster than 2 v_s at the start of a step.
+d . gamma + 2 v_s, d the direction that it was to slide in, until it is a thousand times faster at the start of a step.
 """
 
 from __future__ import annotations
@@ -16,7 +16,16 @@ from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.contact.spatial.pairs import contact_point
 from lcpflex.contact.spatial.table import side_of
 from lcpflex.dynamics.delassus import row_velocity
-from lcpflex.dynamics.spatial.acceleration import BEGINS, FAST, SLIDING, SLOW, across, keep_direction, slip_of
+from lcpflex.dynamics.spatial.acceleration import (
+    BEGINS,
+    FAST,
+    ON_ITS_WAY,
+    SLIDING,
+    SLOW,
+    across,
+    keep_direction,
+    slip_of,
+)
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector
@@ -43,7 +52,6 @@ __all__ = [
 SUMS = 4  # of each declared contact: normal impulse, that of friction in world axes
 GRAIN = 1e-3  # of the threshold: how far below it slip may be
 PART = 0.5  # of |gamma| / |gammadot|: the longest step
-LEFT_BEHIND = 2.0  # thresholds: what is faster slides
 
 
 @kernel
@@ -168,7 +176,7 @@ def turning_time(work: SpatialWork, memory: Any, u: FloatArray) -> float:
         first, second = slip_of(work, sets, k, u)
         slip = math.hypot(first, second)
         if sets.youth[k] != FAST:
-            if not slip > LEFT_BEHIND * sets.slow:
+            if not slip > ON_ITS_WAY * sets.slow:
                 continue
             sets.youth[k] = FAST
         keep_direction(work, sets, k, first, second)

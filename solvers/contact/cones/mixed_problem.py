@@ -54,6 +54,9 @@ class MixedProblem:
     step: FloatArray = array("rows")
     jacobian: FloatArray = array("rows", "rows")
     back: FloatArray = array(LOOK_BACK)
+    rests: IntArray = array("contacts")  # 1: its forces may be changed, see :mod:`.reserve`
+    member: IntArray = array("rows")
+    basis: FloatArray = array("rows", "rows")
     weight: float  # of the proximal term
     strict: float
     iterations: int
