@@ -53,6 +53,34 @@ def test_a_disc_that_rolls_too_slowly_falls_over_at_the_rate_of_small_leans(step
     assert abs(leans[1] - expected) < abs(leans[0] - expected) + 1e-3 * expected
 
 
+@pytest.mark.parametrize("stepper", [lf.MoreauJean, lf.GeneralizedAlpha])
+def test_a_ball_that_slides_on_a_parabola_has_order_two(stepper: type) -> None:
+    """The slip keeps its direction; against x = v_0 t - mu g t^2 gamma_0 / (2 |gamma_0|), still sliding at .4 s."""
+    slip = np.array([2.0 + 30.0 * 0.028575, 15.0 * 0.028575])
+    expected = np.array([2.0, 0.0]) * 0.4 - 0.5 * 0.2 * 9.81 * 0.4**2 * slip / np.hypot(*slip)
+    found = []
+    for step in STEPS:
+        result = lf.simulate(lf.gallery.billiard_ball(), 0.4, stepper(step=step), record=0.4)
+        found.append(np.hypot(*(result.q[-1, :2] - expected)))
+    assert_rate(STEPS, np.array(found)[:, None], 2.0, 0.15)
+
+
+@pytest.mark.parametrize(("stepper", "order"), [(lf.MoreauJean, 1.0), (lf.GeneralizedAlpha, 2.0)])
+def test_orders_of_a_disc_and_a_top_with_gyroscopic_moments(stepper: type, order: float) -> None:
+    """An upright disc sways, a tippe top turns over."""
+    steps = STEPS[:3] / 16.0
+    for label in ("rolling_disc", "tippe_top"):
+        found = errors(CHECKS[label], [stepper(step=step) for step in steps])
+        assert_rate(steps, found, order, 0.12)
+
+
+def test_moreau_jean_has_order_one_on_a_puck_that_spins_and_stops() -> None:
+    """At 1 ms: 4e-5 and 5e-5 m, and 9e-4 rad."""
+    found = errors(CHECKS["puck"], [lf.MoreauJean(step=step) for step in STEPS])
+    assert_rate(STEPS, found, 1.0, 0.1)
+    assert (found[2] * [0.322, 0.322, 1.0] < [5e-5, 6e-5, 1e-3]).all()
+
+
 def test_event_driven_steps_follow_their_tolerance() -> None:
     for label in CHECKS:
         loose, tight = errors(CHECKS[label], [lf.EventDriven(rtol=1e-5), lf.EventDriven(rtol=1e-8)])
