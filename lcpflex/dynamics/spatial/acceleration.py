@@ -71,6 +71,7 @@ class SpatialContactSets:
     youth: IntArray = array("contacts")  # BEGINS: just now; SLOW: slower than the threshold since; else FAST
     direction: FloatArray = array("contacts", 3)  # of slip, kept, world axes
     along: FloatArray = array("contacts", 2)  # of slip at the present state, in the tangents
+    miss: FloatArray = array("contacts")  # force that its acceleration is worth where the sets cannot all be kept [N]
     chosen: FloatArray = array("contacts", 4)  # normal force and friction (world) of the problem of accelerations
     at: IntArray = array("dense")  # first tangential unknown of each contact of the island, -1: none
     row_here: IntArray = array("dense")  # its first tangential row in the island's operator, -1: none
@@ -281,8 +282,32 @@ def solve_sets(work: SpatialWork, sets: SpatialContactSets, level: int) -> None:
         else:
             solve_consistent(sets, m)
         spread(work, sets, sets.solution)
+        if level == FORCE:
+            note_misses(work, sets)
     work.islands.next = work.islands.count
     answer_joints(work)
+
+
+@kernel
+def note_misses(work: SpatialWork, sets: SpatialContactSets) -> None:
+    """Of each contact of the island posed last the largest acceleration that its set forbids, as the force of its row.
+
+    It is rounding, but where more is kept than can be: a box that is held to the ground and to fingers that rise.
+    """
+    n, G, part, p, n_joint = work.problem.n_contacts, work.G, work.part, work.p, work.n_joint
+    rows = n + work.problem.n_tangents
+    for c in range(n):
+        k, j = part[c], sets.row_here[c]
+        held = j >= 0 and holds(sets, k)
+        miss = 0.0
+        for x in range(3 if held else 1):
+            r = c if x == 0 else j + x - 1
+            total = sets.free[r]
+            for s in range(rows):
+                total += G[r, s] * p[n_joint + part[s]]
+            if G[r, r] > 0.0:
+                miss = max(miss, abs(total) / G[r, r])
+        sets.miss[k] = miss
 
 
 @kernel

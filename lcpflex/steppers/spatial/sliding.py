@@ -51,6 +51,9 @@ __all__ = [
 
 SUMS = 4  # of each declared contact: normal impulse, that of friction in world axes
 GRAIN = 1e-3  # of the threshold: how far below it slip may be
+INCONSISTENT = (
+    1e-4  # of the largest force: more that a contact misses is no rounding, nor that of drives told by differences
+)
 PART = 0.5  # of |gamma| / |gammadot|: the longest step
 
 
@@ -120,7 +123,10 @@ def count_impulses(work: SpatialWork, memory: Any) -> None:
 
 @kernel
 def watch(model: Any, work: SpatialWork, memory: Any, y: FloatArray) -> None:
-    """Watched functions of all maintained contacts, after ``slope`` at the same state."""
+    """Watched functions of all maintained contacts, after ``slope`` at the same state.
+
+    Contacts that the others forbid to keep what they do press no longer: what happens is the problem's to say.
+    """
     nq = memory.nq
     q, u = y[:nq], y[nq : nq + len(memory.u)]
     sets, value, n_joint = memory.sets, memory.value, work.n_joint
@@ -148,6 +154,9 @@ def watch(model: Any, work: SpatialWork, memory: Any, y: FloatArray) -> None:
                 t, s = across(work, k)
                 kept = row_vector(sets.direction, k)
                 value[SLIDES, k] = first * dot(kept, t) + second * dot(kept, s) + 2.0 * sets.slow
+    for k in range(work.n_contacts):
+        if sets.miss[k] > INCONSISTENT * memory.force:
+            value[PRESSURE, k] = min(value[PRESSURE, k], -sets.miss[k])
 
 
 @kernel
