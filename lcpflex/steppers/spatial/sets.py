@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from lcpflex.dynamics.acceleration import solve_consistent
 from lcpflex.dynamics.contact_problem import fits
 from lcpflex.dynamics.spatial.acceleration import (
     BEGINS,
@@ -27,6 +28,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import OPEN
 from lcpflex.solvers.contact.cones.ambiguity import several_forces
 from lcpflex.solvers.contact.cones.mixed import solve_mixed
+from lcpflex.solvers.contact.cones.mixed_problem import judge_mixed
 from lcpflex.solvers.contact.cones.reserve import UNIQUE, most_reserve
 from lcpflex.solvers.contact.index_sets import SMOOTH, STICKING
 from lcpflex.steppers.event_driven.memory import CONE, PRESSURE, EventSettings, copy_entry
@@ -82,6 +84,54 @@ def lay_mixed(work: SpatialWork, sets: SpatialContactSets, i: int) -> None:
 
 
 @kernel
+def rests(sets: SpatialContactSets, r: int) -> bool:
+    """Whether unknown r of the solved problem has no acceleration."""
+    total = sets.right[r]
+    size = abs(total)
+    for s in range(sets.problem.m):
+        total += sets.reduced[r, s] * sets.problem.r[s]
+        size += abs(sets.reduced[r, s] * sets.problem.r[s])
+    return abs(total) <= FORCE_TOLERANCE * size
+
+
+@kernel
+def all_rest(sets: SpatialContactSets) -> bool:
+    """Whether no unknown of the solved problem has an acceleration."""
+    resting = True
+    for r in range(sets.problem.m):
+        resting = resting and rests(sets, r)
+    return resting
+
+
+@kernel
+def prefer_rest(work: SpatialWork, sets: SpatialContactSets) -> bool:
+    """Of several solutions of an island that has not slid take the one at rest, if it has a reserve; whether it did.
+
+    Where normal forces are not determined, the problem may be solved by slip under loads that others of them hold.
+    """
+    problem = sets.problem
+    for c in range(problem.n):
+        if sets.mode[work.part[c]] == SLIDING:
+            return False
+    if all_rest(sets):
+        return False
+    m, largest = problem.m, 0.0
+    solve_consistent(sets, m)
+    for r in range(m):
+        sets.reference[r], problem.r[r] = problem.r[r], sets.solution[r]
+        sets.right[r] = problem.q[r]
+        for s in range(m):
+            sets.reduced[r, s] = problem.W[r, s]
+    for c in range(problem.n):
+        problem.rests[c] = 1
+        largest = max(largest, problem.r[c])
+    taken = all_rest(sets) and most_reserve(problem, largest) > LIMIT
+    for r in range(m):
+        problem.r[r] = problem.x[r] if taken else sets.reference[r]
+    return taken
+
+
+@kernel
 def solve_on_sets(
     work: SpatialWork, sets: SpatialContactSets, i: int, tolerance: float, warm: bool, recorder: Recorder
 ) -> int:
@@ -91,6 +141,8 @@ def solve_on_sets(
     lay_mixed(work, sets, i)
     problem, solver, counts = sets.problem, work.solver, recorder.counts
     solver.residual = solve_mixed(problem, tolerance)
+    if work.shifted == 0 and prefer_rest(work, sets):
+        solver.residual = judge_mixed(problem, problem.r)
     solver.strict = problem.strict
     solver.size = problem.m
     solver.iterations = problem.iterations
@@ -102,17 +154,6 @@ def solve_on_sets(
     counts.worst_relative = max(counts.worst_relative, solver.strict)
     spread(work, sets, problem.r)
     return RunStatus.DONE
-
-
-@kernel
-def rests(sets: SpatialContactSets, r: int) -> bool:
-    """Whether unknown r of the solved problem has no acceleration."""
-    total = sets.right[r]
-    size = abs(total)
-    for s in range(sets.problem.m):
-        total += sets.reduced[r, s] * sets.problem.r[s]
-        size += abs(sets.reduced[r, s] * sets.problem.r[s])
-    return abs(total) <= FORCE_TOLERANCE * size
 
 
 @kernel
