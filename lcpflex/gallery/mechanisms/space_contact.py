@@ -8,6 +8,7 @@ import numpy as np
 
 from lcpflex.bodies.spatial.body import SpatialBody, rigid_point
 from lcpflex.bodies.spatial.rigid import Sphere
+from lcpflex.errors import in_range
 from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.runs.case import Case
 from lcpflex.scene.spatial.scene import SpatialScene
@@ -106,9 +107,9 @@ def euler_disc(degrees: float = 60.0, friction: float = 1.0) -> SpatialScene:
     """A thin disc that rolls on its rim about its own centre, which stays at rest.
 
     The point of contact goes around at W = sqrt(4 g / (R sin a)), and the disc turns at W sin(a) about the diameter
-    through it. degrees: inclination a of its plane.
+    through it. degrees: inclination a of its plane, 0.1 to 90.
     """
-    lean = math.radians(degrees)
+    lean = math.radians(in_range("degrees", degrees, 0.1, 90.0))
     down = np.array([0.0, -math.cos(lean), -math.sin(lean)])  # from the centre to the lowest point of the rim
     scene = SpatialScene()
     _disc(scene, friction, lean, (0.0, 0.0, 0.0), -euler_rate(degrees) * math.sin(lean) * down)

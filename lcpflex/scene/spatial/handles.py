@@ -54,9 +54,12 @@ class SpatialPlaced:
 
     def point(self, name: str) -> PlacedPoint:
         """A named point of the body."""
+        return self._named(name, "name")
+
+    def _named(self, name: str, argument: str) -> PlacedPoint:
         known = {} if self.source is None else self.source.points
         if not isinstance(name, str) or name not in known:
-            raise ModelError(f"name: {shown(self.name)} has no point {absent(name, known)}")
+            raise ModelError(f"{argument}: {shown(self.name)} has no point {absent(name, known)}")
         return PlacedPoint(self.scene, self.body, f"{self.name}.{name}", known[name], methodcaller("point", name))
 
     def at_nodes(self, nodes: Sequence[int] | int, weights: Sequence[float] | None = None) -> PlacedPoint:
@@ -153,7 +156,7 @@ class SpatialPlaced:
     def _located(self, place: Place, argument: str) -> SpatialPoint:
         """The material point that a name, a point of this body or three numbers tell."""
         if isinstance(place, str):
-            found: SpatialPoint = self.point(place).material
+            found: SpatialPoint = self._named(place, argument).material
             return found
         if isinstance(place, PlacedPoint):
             if place.scene is not self.scene or place.body != self.body:

@@ -23,6 +23,7 @@ ADMITTED: dict[str, set[str]] = {
     "Signal": FUNCTIONS,
     "LcpSolver": FUNCTIONS,
     "ArrayLike": ARRAYS,
+    "Place": {"three"},  # of points of spatial bodies
     "FloatArray": ARRAYS,
     "NDArray": ARRAYS,
     "Sequence": {"empty list", "no rows"},

@@ -54,7 +54,7 @@ def test_what_is_declared_is_compiled_by_its_names_and_laws() -> None:
         (lambda s, a, b: s.ground.plane((0, 0), (0, 0, 1)), "point"),
         (lambda s, a, b: s.ground.plane((0, 0, 0), (0, float("nan"), 1)), "normal"),
         (lambda s, a, b: a.sphere("center", 0.0), "radius"),
-        (lambda s, a, b: a.sphere("centre", 1.0), "no point"),
+        (lambda s, a, b: a.sphere("centre", 1.0), "center: .*no point"),
         (lambda s, a, b: a.rim("center", (0, 0, 0), 1.0), "axis: .*not all 0"),
         (lambda s, a, b: a.rim("center", UP, -1.0), "radius: -1"),
         (lambda s, a, b: a.rim(b.point("center"), UP, 1.0), "center: .*expected a point of 'low'"),
