@@ -99,6 +99,9 @@ class MoreauJean:
         result and a warning tell, or "raise". Smaller islands that are not solved end the run in any case.
     budget
         Sparse factors that an island of more than 20 contacts may take in a step. None: by their cost, 100 to 600.
+        In space, sweeps of Gauss-Seidel count by the time they take. They take the place of factors where the budget is
+        below 10, and where a factor takes as long as 40 sweeps, as in heaps of some hundred spheres; None is then by
+        cost alone, 10 or more.
     gyroscopic
         Of spatial scenes alone, inertial forces as omega x J omega, which change with the velocity within a step.
         "corrected": taken at the old velocity, and once more at the mean of the old and the new one, as that comes out

@@ -21,9 +21,17 @@ WIDTH = 6
 class Posed:
     """Bodies of six velocities in a grid, random contacts between neighbours and the ground, ball joints on request."""
 
-    def __init__(self, seed: int, bodies: int = 30, joints: int = 0, smooth: bool = False, mass: float = 1.0) -> None:
+    def __init__(
+        self,
+        seed: int,
+        bodies: int = 30,
+        joints: int = 0,
+        smooth: bool = False,
+        mass: float = 1.0,
+        reach: tuple[int, ...] = (1, 6),
+    ) -> None:
         rng = np.random.default_rng(seed)
-        pairs = [(b, b - step) for b in range(bodies) for step in (1, 6) if b - step >= -1]
+        pairs = [(b, b - step) for b in range(bodies) for step in reach if b - step >= -1]
         self.n, self.joints, self.bodies = len(pairs), 3 * joints, bodies
         rows = self.joints + 3 * self.n
         scale = np.sqrt(1.0 / (mass * 10.0 ** rng.uniform(-1, 1, bodies)))
@@ -118,19 +126,19 @@ def test_answers_solve_the_posed_problem(seed: int, joints: int, smooth: bool) -
 
 @pytest.mark.parametrize("mass", [1e-9, 1e9])
 def test_units_of_mass_change_nothing(mass: float) -> None:
-    """The same problem in other units takes the same factors, and forces go with the mass."""
+    """The same problem in other units takes the same way, and forces go with the mass."""
     own, other = Posed(3), Posed(3, mass=mass)
     other.problem.free[:] = other.free[:] = own.free
     other.problem.terms[:] = own.problem.terms
     (_, first), (_, second) = own.solve(), other.solve()
-    assert second.factors == first.factors
+    assert (second.factors, second.sweeps) == (first.factors, first.sweeps)
     np.testing.assert_allclose(other.problem.p, mass * own.problem.p, rtol=1e-6, atol=1e-7 * mass)
 
 
 def test_its_own_answer_is_taken_at_once() -> None:
     posed = Posed(1)
     _, memory = posed.solve()
-    assert memory.factors > 0
+    assert memory.sweeps > 0
     kept = posed.problem.p.copy()
     status, memory = posed.solve(tolerance=1e-8)
     assert status == SOLVED
@@ -146,3 +154,24 @@ def test_the_best_point_is_kept_where_the_budget_ends() -> None:
     assert memory.factors <= 1
     assert memory.strict > 1e-10
     assert posed.judged() == pytest.approx(memory.strict, rel=0.5)
+
+
+def test_a_larger_budget_leaves_less() -> None:
+    """One that is too small for Newton's method is spent on sweeps."""
+    found = []
+    for budget in (1, 3, 9):
+        _, memory = Posed(2, bodies=60).solve(factor_limit=budget)
+        assert memory.factors == 0
+        found.append(memory.strict)
+    assert found[0] > 3.0 * found[1] > 100.0 * found[2]
+
+
+def test_sweeps_take_the_place_of_dear_factors() -> None:
+    """Bodies tied to others far away: a factor takes as long as a hundred sweeps, and one of the budget is as many."""
+    posed = Posed(4, bodies=200, reach=(1, 17, 41, 83))
+    status, memory = posed.solve(factor_limit=5, tolerance=1e-9)
+    assert status == SOLVED
+    assert memory.factor.work > 5e7
+    assert memory.factors <= 2
+    assert memory.sweeps > 200
+    assert posed.judged() <= 2e-9

@@ -29,6 +29,11 @@ SLIDING = 1e-6  # of the free velocities: a contact that slips by more is no res
 SETTLED = 1e-14  # what is left where nothing creeps
 SETTLING_EPS, MORE, CHEAP = 1e-8, 12, 1e7  # for that: factors at most, and the operations that each may cost
 LOOK = 10  # sweeps between two looks at the residual
+UNIT_WORK = 900.0  # multiplications of a factor that take as long as a sweep over one unit
+BESIDES = 10.0  # sweeps that take as long as what goes with a factor
+DEAR = 40.0  # sweeps that take as long as a factor: from there on they are the better use of a budget
+FEW, SHARE = 10, 40  # factors: of a budget that is spent on sweeps alone, and what of another is, at most
+CLOSE = 1e-4  # residual of a point from which a few factors may do, relative to the free velocity
 
 
 @kernel
@@ -50,10 +55,23 @@ def sweep_and_look(memory: SpatialLargeMemory, count: int, patient: bool) -> boo
 
 
 @kernel
+def sweep_work(memory: SpatialLargeMemory) -> float:
+    """What a sweep takes, in multiplications of a factor."""
+    return UNIT_WORK * max(memory.n_units, 1)
+
+
+@kernel
+def is_dear(memory: SpatialLargeMemory) -> bool:
+    """Whether a factor takes as long as many sweeps."""
+    return bool(memory.factor.work > DEAR * sweep_work(memory))
+
+
+@kernel
 def bound_factors(memory: SpatialLargeMemory) -> None:
-    """How many factors the budget is worth: no fewer than for Newton's method."""
+    """How many factors the budget is worth: no fewer than for Newton's method, where they are not dear."""
     worth = memory.operation_limit / max(memory.factor.work, 1.0)
-    memory.allowed = min(memory.factor_limit, max(LEAST_FACTORS, int(min(worth, 1e9))))
+    least = FEW if is_dear(memory) else LEAST_FACTORS
+    memory.allowed = min(memory.factor_limit, max(least, int(min(worth, 1e9))))
 
 
 @kernel
@@ -81,6 +99,26 @@ def rests(memory: SpatialLargeMemory) -> bool:
         if memory.kind[k] <= FRICTIONAL and q[k, 0] > 0.0 and abs(y[k, 1]) + abs(y[k, 2]) > SLIDING * memory.load:
             return False
     return True
+
+
+@kernel
+def sweep_share(memory: SpatialLargeMemory, share: int) -> bool:
+    """Sweeps from the best point that take as long as ``share`` factors, which the budget then lacks."""
+    count = int(min(share * (memory.factor.work / sweep_work(memory) + BESIDES), 1e6))
+    yes = count >= 0
+    take_over(memory, memory.best, memory.q)
+    memory.allowed -= share
+    return sweep_and_look(memory, count, yes)
+
+
+@kernel
+def spend_on_sweeps(memory: SpatialLargeMemory, dear: bool) -> int:
+    """The whole budget: on sweeps, but where factors are dear and the best point is close, half of it on them."""
+    if dear and memory.worst <= CLOSE * memory.load:
+        if newton(memory, 1e-2, memory.allowed // 2):
+            return NEWTON
+        memory.allowed -= memory.factors
+    return SWEPT if sweep_share(memory, memory.allowed) else NONE
 
 
 @kernel
@@ -114,6 +152,11 @@ def find(memory: LargeCones) -> int:
     if not make_pattern(memory, memory.factor) or not has_room(memory.factor):
         return ROOM
     bound_factors(memory)
+    dear = is_dear(memory)
+    if dear or memory.allowed < FEW:
+        return spend_on_sweeps(memory, dear)
+    if sweep_share(memory, min(memory.allowed // 2, SHARE)):
+        return SWEPT
     if newton(memory, 1e-6, 6):
         return NEWTON
     if memory.worst > FAR * memory.load:
