@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -144,9 +145,11 @@ class TimeStepping:
         self._limit_factors()
 
     def _limit_factors(self) -> None:
-        """The budget of the user's for large islands, where there is one."""
+        """The budget of the user's for large islands, where there is one; in space, whatever a factor costs."""
         if self._budget is not None:
             self.work.large_solver.factor_limit = self._budget
+            if is_spatial(self.system.model):
+                self.work.large_solver.operation_limit = math.inf
 
     def remarks(self, steps: int | None = None) -> list[str]:
         """Warnings of the run so far; of steps of one length, after so many."""

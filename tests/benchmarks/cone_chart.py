@@ -11,6 +11,7 @@ blocks (Siconos). Siconos runs in an interpreter of its own, SICONOS_PYTHON.
 from __future__ import annotations
 
 import json
+import math
 import os
 import pickle
 import subprocess
@@ -85,7 +86,7 @@ def solved(problem: tuple[Any, FloatArray, dict[str, int], int], budget: int) ->
     """Milliseconds and residual of lcpflex, the order of the elimination found anew."""
     rows, slips, sizes, units = problem
     memory = large_cones(sizes, units, sizes["bodies"])
-    memory.tolerance, memory.factor_limit = TOLERANCE, budget
+    memory.tolerance, memory.factor_limit, memory.operation_limit = TOLERANCE, budget, math.inf
     start, room = rows.p.copy(), True
     while room:
         rows.p[:] = start
@@ -161,7 +162,7 @@ def of_siconos(problems: list[Any]) -> dict[str, list[Point]]:
 
 def main(count: int = 128, path: str = "cone_chart.png", *steps: int) -> None:
     """Record, run, print a table and draw."""
-    problems = recorded(count, steps or (200, 300, 400, 500, 600, 700, 800), 20)
+    problems = recorded(count, steps or (200, 300, 400, 500, 600, 700, 800), 20 if count < 500 else 2)
     sizes = [problem[0].n_contacts for problem in problems]
     print(f"{len(problems)} problems of {sizes} contacts")
     solved(problems[0], 1)  # compiles
