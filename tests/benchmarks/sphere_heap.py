@@ -1,10 +1,10 @@
-"""A loose heap of spheres in a box that is brought to rest: what a step costs, how it is solved, how far it overlaps.
+"""A loose heap of spheres in a box, on its way to rest: what a step costs, how it is solved, how far it overlaps.
 
     python -m tests.benchmarks.sphere_heap [SPHERES [FILE]]
 
 The spheres fall and pile up, then roll to where they stay in damped steps with less friction, and are left to
 themselves with the friction that they fell with; FILE (.npz) keeps places and velocities of the end. Spheres have no
-resistance to rolling: undamped, some go on rolling for many seconds.
+resistance to rolling: some go on for many seconds, and whether the heap rests in the end differs from motion to motion.
 """
 
 from __future__ import annotations

@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
+from tests.benchmarks.sphere_chart import loose, of_lcpflex
 
 STEP = 1e-3
 RADIUS = 0.1
@@ -56,3 +57,11 @@ def test_every_step_of_a_collapsing_heap_is_solved(joints: int) -> None:
         assert np.abs(ends[1] - ends[0]).max() < 1e-11
     speed = result.u[-1].reshape(36, 6)[:, :3]
     assert 1e-3 < np.abs(speed).max() < 5.0
+
+
+@pytest.mark.slow
+def test_spheres_that_pile_up_are_solved_well_within_a_small_budget() -> None:
+    """128 of them, 20 factors a step: typically 1e-4 of the free velocity, and overlaps by one step of falling."""
+    point = of_lcpflex(*loose(128), steps=500, budget=20)
+    assert point.residual <= 5e-4
+    assert point.overlap <= 2.5e-3
