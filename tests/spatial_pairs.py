@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.contact.spatial.pairs import contact_bias, contact_rows, refresh
+from lcpflex.contact.spatial.pairs import contact_bias, contact_rows, locate, refresh
 from lcpflex.contact.spatial.table import (
     EDGE_EDGE,
     NODE_EDGE,
@@ -159,5 +159,5 @@ def pair(
     table.along[0] = -1
     table.body[0] = [-1 if end == grounded else end for end in range(2)]
     made = Pair(Moving(model, q, random.standard_normal(12 + sum(modes))), table, plain)
-    made.at(q)
+    locate(made.moving.model, made.moving.q, made.table, 0)  # as detection does
     return made

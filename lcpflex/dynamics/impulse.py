@@ -15,9 +15,17 @@ from lcpflex.dynamics.joint_response import joint_impulses
 from lcpflex.dynamics.large_island import prepare_large
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
 
 __all__ = ["answer_joints", "lay_impulse", "pose", "recall_joints"]
+
+
+@in_space("lcpflex.dynamics.spatial.delassus")
+@kernel
+def measure_free(work: Workspace, n: int) -> None:
+    """``work.free`` and ``work.terms`` of the first n rows at ``work.free_u``."""
+    free_velocities(work.rows, work.row_body, work.n_joint, n, work.dof, work.free_u, work.free, work.terms)
 
 
 @kernel
@@ -32,7 +40,7 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
     n = work.n_contacts
     n_tangent = work.n_tangents
     total = n_joint + n + n_tangent
-    free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.terms)
+    measure_free(work, total)
     if lead > 0.0:
         for r in range(total):
             work.free[r] += lead * work.bias[r]

@@ -17,7 +17,7 @@ from lcpflex.contact.spatial.narrow_phase.edges import END, TILT, edges_cross
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, frame_of, place_in, seen_from, world_place
 from lcpflex.contact.spatial.node_pass import THIN
 from lcpflex.contact.spatial.ownership import corners_of, facet_normal
-from lcpflex.contact.spatial.pairs import refresh
+from lcpflex.contact.spatial.pairs import locate
 from lcpflex.contact.spatial.table import SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
@@ -170,7 +170,7 @@ def edge_on_edges(
             if sense != 0.0:
                 if n < len(table.key):
                     load_edges(model, table, n, law, e, f, sense)
-                    refresh(model, q, table, n)
+                    locate(model, q, table, n)
                 n += 1
         box += 1
     return n

@@ -12,7 +12,7 @@ from lcpflex.contact.spatial.entries import load_node
 from lcpflex.contact.spatial.kinds import EDGE, FACET, POINT
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, frame_of, place_in, seen_from, world_place
 from lcpflex.contact.spatial.ownership import corners_of, facet_normal, over
-from lcpflex.contact.spatial.pairs import refresh
+from lcpflex.contact.spatial.pairs import locate
 from lcpflex.contact.spatial.table import NODE_EDGE, NODE_FACET, NODE_POINT, SpatialContactTable, copy_entry
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector
@@ -97,7 +97,7 @@ def keep_contacts(
             table.along[m] = -1
             x, y, z = turned(frame.A, row_vector(table.normal, m))
             table.normal[m, 0], table.normal[m, 1], table.normal[m, 2] = x, y, z
-            refresh(model, q, table, m)
+            locate(model, q, table, m)
             m += 1
     return m
 

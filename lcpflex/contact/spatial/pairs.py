@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from lcpflex.contact.spatial.narrow_phase.edge import edge_turning, refresh_edge
 from lcpflex.contact.spatial.narrow_phase.edges import edges_turning, refresh_edges
-from lcpflex.contact.spatial.narrow_phase.facet import plane_slip, plane_turn, refresh_facet
+from lcpflex.contact.spatial.narrow_phase.facet import plane_slip, plane_turn, refresh_facet, refresh_over_ground
 from lcpflex.contact.spatial.narrow_phase.margins import margin_on_i, margin_on_j
 from lcpflex.contact.spatial.narrow_phase.point import point_turning, refresh_point
 from lcpflex.contact.spatial.narrow_phase.rim import lowest_on_rim, refresh_rim, rim_axis, rim_rate
@@ -28,12 +28,14 @@ from lcpflex.contact.spatial.narrow_phase.sides import (
     Motion,
     frame_motion,
     frame_of,
+    is_rigid,
     lay_side,
     mean_motion,
     mean_place,
     mean_spin,
     mean_velocity,
     point_spin,
+    rigid_bias,
     single,
     world_place,
 )
@@ -57,6 +59,7 @@ __all__ = [
     "contact_rows",
     "foot_margin",
     "gap_rate",
+    "locate",
     "node_margin",
     "normal_rate",
     "refresh",
@@ -66,6 +69,15 @@ __all__ = [
 @kernel
 def refresh(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> None:
     """Gap, normal, tangent and foot of entry k at q, with its features kept."""
+    if table.kind[k] == NODE_FACET and table.body[k, 1] < 0:
+        refresh_over_ground(model.points, q, frame_of(model.bodies, q, table.body[k, 0]), table, k)
+    else:
+        locate(model, q, table, k)
+
+
+@kernel
+def locate(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> None:
+    """The same of an entry that detection has just made: planes of the ground have no normal yet."""
     points = model.points
     kind = table.kind[k]
     i = frame_of(model.bodies, q, table.body[k, 0])
@@ -223,10 +235,17 @@ def along_axes(n: Vector, t: Vector, turning: Turning, v: Vector, b: Vector) -> 
 def contact_bias(
     model: SpatialModel, q: FloatArray, u: FloatArray, table: SpatialContactTable, k: int
 ) -> tuple[float, float, float]:
-    """w_N and w_T along both tangents of entry k [m/s^2]."""
+    """w_N and w_T along both tangents of entry k [m/s^2].
+
+    Over a plane of the ground nothing turns but a rigid body with its lever, whose rate has no part at udot = 0: the
+    most frequent pair, and the cheapest.
+    """
     bodies, points = model.bodies, model.points
     n, t = row_vector(table.normal, k), row_vector(table.tangent, k)
     i, j = table.body[k, 0], table.body[k, 1]
+    if table.kind[k] == NODE_FACET and j < 0 and i >= 0 and is_rigid(points, table.point[k, 0]):
+        b = rigid_bias(frame_of(bodies, q, i), frame_motion(bodies, u, i), row_vector(points.place, table.point[k, 0]))
+        return dot(n, b), dot(t, b), dot(cross(n, t), b)
     frames = (frame_of(bodies, q, i), frame_of(bodies, q, j))
     motions = (frame_motion(bodies, u, i), frame_motion(bodies, u, j))
     on_i, on_j = mean_on_i(table, k), mean_on_j(table, k)

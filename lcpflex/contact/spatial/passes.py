@@ -7,18 +7,17 @@ renewed by :func:`lcpflex.contact.spatial.pairs.refresh`, with the features kept
 from __future__ import annotations
 
 from lcpflex.bodies.spatial.surface import EDGES, RIM_POINTS
-from lcpflex.contact.spatial.bounds import plane_at
+from lcpflex.contact.spatial.bounds import plane_vector, set_over_plane
 from lcpflex.contact.spatial.edge_pass import edges_on_edges
 from lcpflex.contact.spatial.entries import load_node, load_rim
 from lcpflex.contact.spatial.kinds import PLANE, POINT, RIM
 from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, rim_axis
 from lcpflex.contact.spatial.narrow_phase.sides import frame_of, place_in, world_place
 from lcpflex.contact.spatial.node_pass import nodes_on_features
-from lcpflex.contact.spatial.pairs import refresh
+from lcpflex.contact.spatial.pairs import locate
 from lcpflex.contact.spatial.table import NODE_FACET, NODE_POINT, SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.points import point_place
-from lcpflex.kinematics.spatial.rotations import Vector
 from lcpflex.kinematics.spatial.vectors import apart_from, dot, norm
 from lcpflex.model.spatial import SpatialModel
 
@@ -30,18 +29,18 @@ STANDING = 1e-2  # up to which fixed points of its rim join the lowest one
 @kernel
 def nodes_over_plane(
     model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, begin: int, end: int, law: int,
-    f: int, normal: Vector, o: Vector, n: int,
+    b: int, n: int,
 ) -> int:  # fmt: skip
-    """Contacts of the nodes begin..end with the plane f through o, from entry n on; returns the new count."""
+    """Contacts of the nodes begin..end with the plane b, from entry n on; returns the new count."""
     c = model.contacts
     body = frame_of(model.bodies, q, model.points.body[c.node_point[begin]])
+    normal, o = plane_vector(table, b, 0), plane_vector(table, b, 3)
     for node in range(begin, end):
-        place = world_place(body, place_in(model.points, q, body, c.node_point[node]))
-        gap = dot(normal, apart_from(place, o)) - c.node_radius[node]
-        if gap <= margin:
+        away = apart_from(world_place(body, place_in(model.points, q, body, c.node_point[node])), o)
+        if dot(normal, away) - c.node_radius[node] <= margin:
             if n < len(table.key):
-                load_node(model, table, n, law, NODE_FACET, node, f)
-                refresh(model, q, table, n)
+                load_node(model, table, n, law, NODE_FACET, node, c.feature_start[b])
+                set_over_plane(table, n, b, away, c.node_radius[node])
             n += 1
     return n
 
@@ -62,7 +61,7 @@ def nodes_on_sphere(
         if gap <= margin:
             if n < len(table.key):
                 load_node(model, table, n, law, NODE_POINT, node, f)
-                refresh(model, q, table, n)
+                locate(model, q, table, n)
             n += 1
     return n
 
@@ -79,7 +78,7 @@ def rims_on_plane(
     """
     c = model.contacts
     f = c.feature_start[b]
-    normal, o = plane_at(model, q, b)
+    normal, o = plane_vector(table, b, 0), plane_vector(table, b, 3)
     body = frame_of(model.bodies, q, c.surface_body[a])
     first = c.feature_start[a]
     for rim in range(first, c.feature_start[a + 1]):
@@ -92,11 +91,11 @@ def rims_on_plane(
         if tilt > FLAT:
             if n < len(table.key):
                 load_rim(model, table, n, law, rim, f)
-                refresh(model, q, table, n)
+                locate(model, q, table, n)
             n += 1
         if tilt < STANDING:
             node = c.node_start[a] + (rim - first) * RIM_POINTS
-            n = nodes_over_plane(model, q, margin, table, node, node + RIM_POINTS, law, f, normal, o, n)
+            n = nodes_over_plane(model, q, margin, table, node, node + RIM_POINTS, law, b, n)
     return n
 
 
@@ -113,9 +112,7 @@ def detect_pass(
     if c.feature_kind[first] == PLANE:
         if c.feature_start[a + 1] > c.feature_start[a] and c.feature_kind[c.feature_start[a]] == RIM:
             return rims_on_plane(model, q, margin, table, a, b, law, n)
-        normal, o = plane_at(model, q, b)
-        begin, end = c.node_start[a], c.node_start[a + 1]
-        return nodes_over_plane(model, q, margin, table, begin, end, law, first, normal, o, n)
+        return nodes_over_plane(model, q, margin, table, c.node_start[a], c.node_start[a + 1], law, b, n)
     if c.feature_kind[first] == POINT:
         return nodes_on_sphere(model, q, margin, table, a, b, law, n)
     return nodes_on_features(model, q, margin, table, a, b, law, mode, n)

@@ -56,6 +56,7 @@ class SpatialContactTable:
     tangent: FloatArray = array("contacts", 3)  # t1, world axes
     along: IntArray = array("contacts")  # which axis of body j t1 is the projection of; -1: the first edge of j
     bound: FloatArray = array("surfaces", 4)  # work: world centre of each surface, its deflection
+    plane: FloatArray = array("surfaces", 15)  # work: of planes n, a point, t1 and the dual edges; world axes
     compliant: IntArray = array("laws")  # as in the plane
     first: IntArray = array("declared")  # first surface of each declared contact, in tables that tell it
     owner: IntArray = array("owners")  # and the body of each surface there

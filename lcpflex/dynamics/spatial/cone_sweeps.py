@@ -13,7 +13,7 @@ from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.certificate import guarded_residual, strict_residual
 from lcpflex.solvers.contact.cones.certificate import natural_miss
-from lcpflex.solvers.contact.cones.dense import CRAWLING, LOOK, POLISH, SETTLED, SLIDING, is_settled
+from lcpflex.solvers.contact.cones.dense import CRAWLING, LOOK, POLISH, POLISHED, SLIDING, is_settled
 from lcpflex.solvers.contact.cones.local import NONE, solve_cone
 
 __all__ = ["judge_island", "push", "speeds", "sweep_island"]
@@ -159,7 +159,7 @@ def sweep_island(work: SpatialWork, i: int, most: float, patient: bool) -> bool:
                 break
             polished += LOOK
         before = memory.worst
-        goal = SETTLED * memory.load if memory.residual <= tolerance else 0.1 * tolerance * memory.load
+        goal = POLISHED * memory.load if memory.residual <= tolerance else 0.1 * tolerance * memory.load
         for _ in range(LOOK):
             memory.iterations += 1.0
             if sweep(work, i) <= goal:

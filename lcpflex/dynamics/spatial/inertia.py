@@ -55,6 +55,7 @@ class SpatialArrow:
     six: FloatArray = array(N_RIGID)  # scratch
     spin: FloatArray = array("ndof")  # inertial forces of the last velocity
     mean: FloatArray = array("ndof")  # a velocity; scratch
+    touch: FloatArray = array("ndof")  # what contacts are expected to add to the velocity in a step
     shift: FloatArray = array("ndof")  # scratch
     energy: FloatArray = array("bodies")  # scratch
 

@@ -105,10 +105,11 @@ class MoreauJean:
     gyroscopic
         Of spatial scenes alone, inertial forces as omega x J omega, which change with the velocity within a step.
         "corrected": taken at the old velocity, and once more at the mean of the old and the new one, as that comes out
-        by then: energy drifts by h^3 in a given time. "solved": repeated until that mean is met to rounding, with a
-        warning where 40 passes do not do. A rigid body with J = (1, 2, 3) kg m^2 that turns over about its middle axis
-        at 5 rad/s, 4 s at h = 1/250: energy off by 2.4e-2 without either, 9e-7 corrected, 1e-14 solved; its angle by
-        .12, 5e-5 and 8e-5 rad. After 400 s the energy is off by 8e-5 and 8e-13.
+        by then, with what joints and contacts that go on add: energy drifts by h^3 in a given time. "solved": repeated
+        until that mean is met to rounding, with a warning where 40 passes do not do. A rigid body with J = (1, 2, 3) kg
+        m^2 that turns over about its middle axis at 5 rad/s, 4 s at h = 1/250: energy off by 2.4e-2 without either,
+        9e-7 corrected, 1e-14 solved; its angle by .12, 5e-5 and 8e-5 rad. After 400 s the energy is off by 8e-5 and
+        8e-13.
 
     Raises
     ------

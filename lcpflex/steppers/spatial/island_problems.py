@@ -64,6 +64,7 @@ def keep_island(work: SpatialWork, i: int) -> None:
         if j >= 0:
             s = work.n_joint + work.n_contacts + j
             f1, f2 = p[s], p[s + 1]
+        known.carried[1 - known.now, known.n_next + c] = 1 if known.before[k] > 0.0 else 0
         keep_force(known, known.n_next + c, table.key[k], table.normal, table.tangent, k, p[r], f1, f2, memory.slip[c])
     known.n_next += n
 

@@ -24,10 +24,22 @@ from lcpflex.solvers.contact.cones.memory import (
 from lcpflex.solvers.contact.cones.newton import newton, proximal
 from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED
 
-__all__ = ["CRAWLING", "LOOK", "POLISH", "SETTLED", "SLIDING", "SWEEPS", "is_settled", "solve_cones", "weigh_forces"]
+__all__ = [
+    "CRAWLING",
+    "LOOK",
+    "POLISH",
+    "POLISHED",
+    "SETTLED",
+    "SLIDING",
+    "SWEEPS",
+    "is_settled",
+    "solve_cones",
+    "weigh_forces",
+]
 
 FLOOR = 1e-3  # of the terms of which free velocities are made: less of them is no measure of a residual
-SETTLED, ROUNDED = 1e-14, 4.0  # what is left where nothing creeps: of the free velocities, and roundings of the terms
+SETTLED, ROUNDED = 5e-14, 4.0  # what is left where nothing creeps: of the free velocities, and roundings of the terms
+POLISHED = 3e-16  # sweeps that are made end there: those of the next step, which is like this one, are spared
 SLIDING = 1e-6  # of the free velocities: a contact that slips by more is no resting one
 LOOK = 8  # sweeps between two judgements
 FIRST_SWEEPS, SWEEPS = 200.0, 2000.0  # at most: before Newton's method, and behind it
@@ -131,7 +143,7 @@ def sweep_on(data: SpatialContactData, memory: SpatialSolverMemory, most: float,
                 break
             polished += LOOK
         before = memory.worst
-        goal = SETTLED * memory.load if memory.residual <= tolerance else 0.1 * tolerance * memory.load
+        goal = POLISHED * memory.load if memory.residual <= tolerance else 0.1 * tolerance * memory.load
         for _ in range(LOOK):
             memory.iterations += 1.0
             if sweep(data, memory) <= goal:

@@ -93,6 +93,9 @@ class SpatialRemembered:
     n_next: int  # of the present one, so far
     key: IntArray = array(2, "contacts")
     force: FloatArray = array(2, "contacts", 5)  # normal, friction (3, world axes), slip
+    carried: IntArray = array(2, "contacts")  # 1: there was a force in the step before, too
+    place: IntArray = array("contacts")  # of each contact of the present step in the last one, -1: new
+    before: FloatArray = array("contacts")  # its normal force there
     slot: IntArray = array("slots")  # 1 + place in ``key`` by the remainder of the key
 
 
@@ -122,7 +125,9 @@ def remembered_cones(capacity: int, before: SpatialRemembered | None = None) -> 
     memory: Any = allocate(SpatialRemembered, {"contacts": capacity, "slots": 2 * capacity + 1})
     if before is not None:
         memory.n, memory.now = before.n, before.now
-        for name in ("key", "force"):
+        for name in ("key", "force", "carried"):
             getattr(memory, name)[:, : before.key.shape[1]] = getattr(before, name)
+        for name in ("place", "before"):
+            getattr(memory, name)[: len(before.place)] = getattr(before, name)
         fill_slots(memory)
     return cast(SpatialRemembered, memory)

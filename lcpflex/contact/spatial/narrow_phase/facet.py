@@ -24,10 +24,18 @@ from lcpflex.contact.spatial.narrow_phase.turning import Turning, set_entry
 from lcpflex.contact.spatial.table import SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
-from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, scaled, turned
+from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, row_vector, scaled, turned
 from lcpflex.model.spatial import SpatialPoints
 
-__all__ = ["Plane", "PlaneTurn", "plane_of", "plane_slip", "plane_turn", "refresh_facet", "set_over"]
+__all__ = [
+    "Plane",
+    "PlaneTurn",
+    "plane_of",
+    "plane_slip",
+    "plane_turn",
+    "refresh_facet",
+    "refresh_over_ground",
+]
 
 
 class Plane(NamedTuple):
@@ -78,6 +86,20 @@ def refresh_facet(points: SpatialPoints, q: FloatArray, i: Frame, j: Frame, tabl
     r = world_place(i, place_in(points, q, i, table.point[k, 0]))
     plane = plane_of(points, q, j, table.point[k, 1], table.point[k, 2], table.point[k, 3])
     set_over(table, k, j, plane, r, table.radius[k, 0])
+
+
+@kernel
+def refresh_over_ground(points: SpatialPoints, q: FloatArray, i: Frame, table: SpatialContactTable, k: int) -> None:
+    """Gap and foot of entry k over a facet or plane of the ground, whose normal and tangent stay."""
+    a = row_vector(points.place, table.point[k, 1])
+    e1 = apart_from(row_vector(points.place, table.point[k, 2]), a)
+    e2 = apart_from(row_vector(points.place, table.point[k, 3]), a)
+    n = row_vector(table.normal, k)
+    d = apart_from(world_place(i, place_in(points, q, i, table.point[k, 0])), a)
+    first, second = cross(e2, n), cross(n, e1)
+    table.foot[k, 0] = dot(d, first) / dot(e1, first)
+    table.foot[k, 1] = dot(d, second) / dot(e2, second)
+    table.gap[k] = dot(n, d) - table.radius[k, 0]
 
 
 @kernel

@@ -32,6 +32,7 @@ __all__ = [
     "Motion",
     "frame_motion",
     "frame_of",
+    "is_rigid",
     "lay_side",
     "line_between",
     "line_rate",
@@ -41,6 +42,7 @@ __all__ = [
     "mean_velocity",
     "place_in",
     "point_spin",
+    "rigid_bias",
     "seen_from",
     "single",
     "world_place",
@@ -209,6 +211,12 @@ def mean_velocity(
     """v [m/s], world axes."""
     sweep = cross(motion.omega, mean_place(points, q, frame, mean))
     return added(motion.v, turned(frame.A, added(sweep, mean_flow(points, u, motion, mean))))
+
+
+@kernel
+def rigid_bias(frame: Frame, motion: Motion, s: Vector) -> Vector:
+    """b [m/s^2] of a place s in a rigid body, world axes."""
+    return turned(frame.A, cross(motion.omega, cross(motion.omega, s)))
 
 
 @kernel
