@@ -95,10 +95,7 @@ def above_plane(table: SpatialContactTable, a: int, b: int) -> float:
 def near_surfaces(
     model: SpatialModel, q: FloatArray, table: SpatialContactTable, a: int, b: int, margin: float
 ) -> bool:
-    """Whether nodes of surface a may be within ``margin`` [m] of surface b, or below it, as far as spheres tell.
-
-    A single node is not asked about planes: to look at itself costs no more.
-    """
+    """Whether nodes of surface a may be within ``margin`` [m] of surface b, or below it, as far as spheres tell."""
     extent = model.contacts.surface_extent
     at = table.bound
     reach = extent[a] + at[a, 3] + at[b, 3] + margin
@@ -106,6 +103,4 @@ def near_surfaces(
         reach += extent[b]
         dx, dy, dz = at[a, 0] - at[b, 0], at[a, 1] - at[b, 1], at[a, 2] - at[b, 2]
         return not dx * dx + dy * dy + dz * dz > reach * reach
-    if not is_plane(model, b) or model.contacts.node_start[a + 1] - model.contacts.node_start[a] == 1:
-        return True
-    return not above_plane(table, a, b) > reach
+    return not is_plane(model, b) or not above_plane(table, a, b) > reach
