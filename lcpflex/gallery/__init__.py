@@ -42,6 +42,7 @@ if TYPE_CHECKING:
         silo as silo,
         strip_pile as strip_pile,
     )
+    from lcpflex.gallery.mechanisms.plates import sphere_on_plate as sphere_on_plate
     from lcpflex.gallery.mechanisms.rigid import (
         block_on_incline as block_on_incline,
         bouncing_ball as bouncing_ball,

@@ -6,7 +6,18 @@ from dataclasses import replace
 
 from lcpflex.dynamics.impact_laws import Poisson, Stronge
 from lcpflex.force_laws.penalty import Penalty
-from lcpflex.gallery.mechanisms import bars, coaxial, flexible, piles, rigid, space, space_contact, stops, user_systems
+from lcpflex.gallery.mechanisms import (
+    bars,
+    coaxial,
+    flexible,
+    piles,
+    plates,
+    rigid,
+    space,
+    space_contact,
+    stops,
+    user_systems,
+)
 from lcpflex.runs.case import Case
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.event_driven.stepper import EventDriven
@@ -22,7 +33,7 @@ def scenes() -> dict[str, Case]:
     """All cases by name."""
     return {
         case.name: case
-        for module in (flexible, rigid, bars, user_systems, stops, coaxial, piles, space, space_contact)
+        for module in (flexible, rigid, bars, user_systems, stops, coaxial, piles, space, space_contact, plates)
         for case in module.cases()
     }
 

@@ -63,7 +63,9 @@ class LuGre(WithBristles):
 
     At constant speed z = g sgn(gdot_T) / sigma_0, so that friction is the Stribeck curve g + sigma_2 |gdot_T|. Before
     it slips a contact is a spring of stiffness sigma_0 lambda_N. |z| stays below mu_s / sigma_0, the force may pass
-    mu_s by the part of sigma_1. Under a force that oscillates below mu lambda_N it drifts slowly, a known trait.
+    mu_s by the part of sigma_1: a contact that begins at a slip v begins with sigma_1 v lambda_N, and its impulse is mu
+    (sigma_1 - mu / v) / sigma_0 lambda_N above Coulomb's. Let sigma_1 be well below mu / v where that matters. Under a
+    force f mu lambda_N that comes and goes, f < 1, it drifts by -mu / sigma_0 ln(1 - f^2) each time, a known trait.
 
     Attributes
     ----------

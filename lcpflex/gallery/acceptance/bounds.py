@@ -122,4 +122,13 @@ BOUNDS: dict[tuple[str, str], tuple[float, ...]] = {
     ("tippe_top", "Moreau-Jean"): (7.3e-03, 8.0e-06),
     ("tippe_top", "event-driven"): (1.0e-09, 1.0e-09),
     ("tippe_top", "generalised-alpha"): (6.2e-06, 2.4e-06),
+    ("billiard_ball", "smooth"): (2.7e-06, 1.5e-07, 1.0e-09),
+    ("sliding_puck", "smooth"): (2.3e-07, 5.6e-07),
+    ("puck", "smooth"): (6.1e-09, 2.9e-07, 8.1e-07),
+    ("euler_disc", "smooth"): (7.2e-05, 4.9e-05, 6.9e-04),
+    ("rolling_disc", "smooth"): (6.4e-03,),
+    ("tippe_top", "smooth"): (9.3e-06, 1.4e-06),
+    ("sphere_on_plate", "Moreau-Jean"): (3.1e-04, 1.5e-03),
+    ("sphere_on_plate", "event-driven"): (3.1e-04, 1.5e-03),
+    ("sphere_on_plate", "smooth"): (3.1e-04, 1.5e-03),
 }

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from lcpflex.gallery.acceptance import bars, coaxial, rigid, space, space_contact, stops
+from lcpflex.gallery.acceptance import bars, coaxial, plates, rigid, space, space_contact, stops
 from lcpflex.gallery.acceptance.check import ROUNDING, Check, Entry, Quantity
 from lcpflex.results.result import Result
 from lcpflex.studies.trial import brief
@@ -51,7 +51,9 @@ class Row:
 
 def checks() -> tuple[Check, ...]:
     """All of them."""
-    return tuple(check for module in (bars, rigid, stops, coaxial, space, space_contact) for check in module.checks())
+    return tuple(
+        check for module in (bars, rigid, stops, coaxial, space, space_contact, plates) for check in module.checks()
+    )
 
 
 def rows(check: Check, measure: bool = True) -> list[Row]:
