@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.gallery.acceptance.check import Check, Entry, Quantity, Refused
+from lcpflex.gallery.acceptance.check import Check, Entries, Entry, Quantity, Refused
 from lcpflex.gallery.mechanisms.plates import BALL_SPEED, BALL_TIME, cases
 from lcpflex.steppers.event_driven.stepper import EventDriven
 from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
@@ -28,7 +28,7 @@ def checks() -> tuple[Check, ...]:
         Quantity("restitution", case.reference["restitution"], "", restitution),
         Quantity("contact time", case.reference["contact_time"], "s", contact_time),
     )
-    entries = {
+    entries: Entries = {
         "Moreau-Jean": Entry(MoreauJean(step=1e-3 * BALL_TIME), MODES),
         "event-driven": Entry(EventDriven(rtol=1e-8), MODES),
         "generalised-alpha": Refused(GeneralizedAlpha(step=1e-3 * BALL_TIME), "force law", "takes no force laws"),
