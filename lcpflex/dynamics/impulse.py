@@ -10,7 +10,7 @@ Sources: Moreau 1988; Glocker & Studer 2005 (the LCP of planar Coulomb friction)
 from __future__ import annotations
 
 from lcpflex.dynamics.contact_problem import lay_contacts
-from lcpflex.dynamics.delassus import free_velocities, row_velocity
+from lcpflex.dynamics.delassus import apply_impulses, free_velocities, row_velocity
 from lcpflex.dynamics.joint_response import joint_impulses
 from lcpflex.dynamics.large_island import prepare_large
 from lcpflex.dynamics.workspace import Workspace
@@ -18,14 +18,23 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
 
-__all__ = ["answer_joints", "lay_impulse", "pose", "recall_joints"]
+__all__ = ["add_impulses", "answer_joints", "lay_impulse", "pose", "recall_joints"]
 
 
 @in_space("lcpflex.dynamics.spatial.delassus")
 @kernel
-def measure_free(work: Workspace, n: int) -> None:
-    """``work.free`` and ``work.terms`` of the first n rows at ``work.free_u``."""
+def measure_free(work: Workspace) -> None:
+    """``work.free`` and ``work.terms`` of the rows laid at ``work.free_u``."""
+    n = work.n_joint + work.n_contacts + work.n_tangents
     free_velocities(work.rows, work.row_body, work.n_joint, n, work.dof, work.free_u, work.free, work.terms)
+
+
+@in_space("lcpflex.dynamics.spatial.delassus")
+@kernel
+def add_impulses(work: Workspace, u: FloatArray) -> None:
+    """u += A^-1 W p of all rows laid and their impulses ``work.p``."""
+    total = work.n_joint + work.n_contacts + work.n_tangents
+    apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, u)
 
 
 @kernel
@@ -40,7 +49,7 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
     n = work.n_contacts
     n_tangent = work.n_tangents
     total = n_joint + n + n_tangent
-    measure_free(work, total)
+    measure_free(work)
     if lead > 0.0:
         for r in range(total):
             work.free[r] += lead * work.bias[r]

@@ -27,6 +27,30 @@ def test_moreau_jean_has_order_one_on_a_path_that_friction_bends() -> None:
     assert found[2].max() < 1.2e-3  # 4e-4 across and 1e-3 down, with steps of 1 ms
 
 
+def scheme_on_a_slope(h: float, steps: int) -> tuple[float, float]:
+    """(across, down) of a point that starts across a slope at 1 m/s, mu = tan(slope) = tan(25 degrees).
+
+    v+ = w - h mu g cos(slope) w/|w|, w = v + h g sin(slope) down: the impulse of friction, h mu N long, is against v+.
+    """
+    pull = 9.81 * np.sin(np.radians(25.0))  # = mu g cos(slope)
+    across, down = 1.0, 0.0
+    for _ in range(steps):
+        down += h * pull
+        left = 1.0 - h * pull / np.hypot(across, down)
+        across, down = left * across, left * down
+    return across, down
+
+
+def test_what_moreau_jean_misses_there_is_the_error_of_the_scheme() -> None:
+    """Its recursion, by hand, is 4.2e-4 off across and 1.07e-3 down, at 1 ms: so is the library, to rounding."""
+    result = CHECKS["sliding_puck"].run(lf.MoreauJean(step=1e-3))
+    across, down = scheme_on_a_slope(1e-3, result.steps)
+    assert result.u[-1, 0] == pytest.approx(across, abs=1e-12)
+    assert -result.u[-1, 1] == pytest.approx(down, abs=1e-12)
+    assert across - 0.13577602 == pytest.approx(4.16e-4, rel=2e-3)
+    assert down - 0.49078244 == pytest.approx(-1.072e-3, rel=2e-3)
+
+
 def test_generalised_alpha_has_order_two_there() -> None:
     found = errors(CHECKS["sliding_puck"], [lf.GeneralizedAlpha(step=step) for step in STEPS])
     assert_rate(STEPS, found, 2.0, 0.2)

@@ -9,68 +9,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from lcpflex.dynamics.spatial.delassus import push, speeds
 from lcpflex.dynamics.spatial.inertia import SpatialWork
-from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import kernel
 from lcpflex.solvers.certificate import guarded_residual, strict_residual
 from lcpflex.solvers.contact.cones.certificate import natural_miss
-from lcpflex.solvers.contact.cones.dense import CRAWLING, LOOK, POLISH, POLISHED, SLIDING, is_settled
+from lcpflex.solvers.contact.cones.dense import CRAWLING, LOOK, POLISH, POLISHED, SLIDING, is_settled, note_polish
 from lcpflex.solvers.contact.cones.local import NONE, solve_cone
 
-__all__ = ["judge_island", "push", "speeds", "sweep_island"]
-
-
-@kernel
-def push(
-    solved: FloatArray,
-    row_body: IntArray,
-    dof: IntArray,
-    r: int,
-    s: int,
-    p: float,
-    p1: float,
-    p2: float,
-    x: FloatArray,
-) -> None:
-    """x += A^-1 (rows_r p + rows_s p1 + rows_s+1 p2); s < 0: rows_r alone."""
-    for i in range(2):
-        b = row_body[r, i]
-        if b < 0:
-            continue
-        d = dof[b]
-        width = dof[b + 1] - d
-        if s < 0:
-            for c in range(width):
-                x[d + c] += solved[r, i, c] * p
-        else:
-            for c in range(width):
-                x[d + c] += solved[r, i, c] * p + solved[s, i, c] * p1 + solved[s + 1, i, c] * p2
-
-
-@kernel
-def speeds(
-    rows: FloatArray, row_body: IntArray, dof: IntArray, free: FloatArray, r: int, s: int, x: FloatArray
-) -> tuple[float, float, float]:
-    """Velocities of the contact with the normal row r, tangential rows s and s + 1; s < 0: normal alone."""
-    u = free[r]
-    u1, u2 = 0.0, 0.0
-    if s >= 0:
-        u1, u2 = free[s], free[s + 1]
-    for i in range(2):
-        b = row_body[r, i]
-        if b < 0:
-            continue
-        d = dof[b]
-        width = dof[b + 1] - d
-        if s < 0:
-            for c in range(width):
-                u += rows[r, i, c] * x[d + c]
-        else:
-            for c in range(width):
-                y = x[d + c]
-                u += rows[r, i, c] * y
-                u1 += rows[s, i, c] * y
-                u2 += rows[s + 1, i, c] * y
-    return u, u1, u2
+__all__ = ["judge_island", "sweep_island"]
 
 
 @kernel
@@ -152,6 +99,7 @@ def sweep_island(work: SpatialWork, i: int, most: float, patient: bool) -> bool:
     memory = work.solver
     tolerance = memory.tolerance
     judge_island(work, i)
+    rested = memory.residual <= tolerance
     polished = 0
     while memory.iterations < most:
         if memory.residual <= tolerance:
@@ -167,4 +115,5 @@ def sweep_island(work: SpatialWork, i: int, most: float, patient: bool) -> bool:
         judge_island(work, i)
         if memory.worst > CRAWLING * before and not patient:
             break
+    note_polish(memory, rested and polished > 0)
     return bool(memory.residual <= tolerance)

@@ -1,35 +1,133 @@
-"""Velocities of contact rows in space, as :func:`lcpflex.dynamics.delassus.free_velocities` of the plane has them.
+"""Velocities of contact rows in space, and what impulses on them do: the three rows of a contact in one walk.
 
-A row of a rigid body has six numbers there, and a step poses three rows a contact: products and their sizes in one
-walk, instead of two, take half as long.
+A row of a rigid body has six numbers there, and each addition of a product waits for the one before: of three rows
+side by side they wait together. See :mod:`lcpflex.dynamics.delassus` for the plane.
 """
 
 from __future__ import annotations
 
-from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.spatial.inertia import SpatialWork
-from lcpflex.jit.kernel import kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
-__all__ = ["measure_free"]
+__all__ = ["add_impulses", "measure_free", "push", "speeds", "velocities"]
 
 
 @kernel
-def measure_free(work: SpatialWork, n: int) -> None:
-    """``work.free`` and ``work.terms`` of the first n rows at ``work.free_u``."""
-    rows, row_body, dof, u, n_joint = work.rows, work.row_body, work.dof, work.free_u, work.n_joint
-    free, terms = work.free, work.terms
+def push(
+    solved: FloatArray,
+    row_body: IntArray,
+    dof: IntArray,
+    r: int,
+    s: int,
+    p: float,
+    p1: float,
+    p2: float,
+    x: FloatArray,
+) -> None:
+    """x += A^-1 (rows_r p + rows_s p1 + rows_s+1 p2); s < 0: rows_r alone."""
+    for i in range(2):
+        b = row_body[r, i]
+        if b < 0:
+            continue
+        d = dof[b]
+        width = dof[b + 1] - d
+        if s < 0:
+            for c in range(width):
+                x[d + c] += solved[r, i, c] * p
+        else:
+            for c in range(width):
+                x[d + c] += solved[r, i, c] * p + solved[s, i, c] * p1 + solved[s + 1, i, c] * p2
+
+
+@kernel
+def velocities(
+    rows: FloatArray, row_body: IntArray, dof: IntArray, r: int, s: int, u: FloatArray
+) -> tuple[float, float, float]:
+    """rows_r . u, rows_s . u and rows_s+1 . u of a contact [m/s]; s < 0: it has no tangential rows, and 0 there."""
+    v, v1, v2 = 0.0, 0.0, 0.0
+    for i in range(2):
+        b = row_body[r, i]
+        if b < 0:
+            continue
+        d = dof[b]
+        width = dof[b + 1] - d
+        if s < 0:
+            for c in range(width):
+                v += rows[r, i, c] * u[d + c]
+        else:
+            for c in range(width):
+                y = u[d + c]
+                v += rows[r, i, c] * y
+                v1 += rows[s, i, c] * y
+                v2 += rows[s + 1, i, c] * y
+    return v, v1, v2
+
+
+@kernel
+def speeds(
+    rows: FloatArray, row_body: IntArray, dof: IntArray, free: FloatArray, r: int, s: int, x: FloatArray
+) -> tuple[float, float, float]:
+    """Velocities of the contact with the normal row r, tangential rows s and s + 1; s < 0: normal alone."""
+    v, v1, v2 = velocities(rows, row_body, dof, r, s, x)
+    if s < 0:
+        return free[r] + v, 0.0, 0.0
+    return free[r] + v, free[s] + v1, free[s + 1] + v2
+
+
+@kernel
+def measure_free(work: SpatialWork) -> None:
+    """``work.free`` and ``work.terms`` of the rows laid at ``work.free_u``."""
+    rows, row_body, dof, u, n_joint, free = work.rows, work.row_body, work.dof, work.free_u, work.n_joint, work.free
     for r in range(n_joint):
         free[r] = row_velocity(rows, row_body, r, dof, u)
-    for r in range(n_joint, n):
-        total, size = 0.0, 0.0
-        for i in range(2):
-            b = row_body[r, i]
-            if b < 0:
-                continue
-            d = dof[b]
-            for c in range(dof[b + 1] - d):
-                part = rows[r, i, c] * u[d + c]
-                total += part
-                size += abs(part)
-        free[r] = total
-        terms[r - n_joint] = size
+    tangent = 0
+    for k in range(work.n_contacts):
+        s = -1
+        if tangent < work.n_tangents and work.tangent[tangent] == k:
+            s = n_joint + work.n_contacts + tangent
+            tangent += 2
+        measure_contact(rows, row_body, dof, n_joint, n_joint + k, s, u, free, work.terms)
+
+
+@kernel
+def measure_contact(
+    rows: FloatArray, row_body: IntArray, dof: IntArray, n_joint: int, r: int, s: int, u: FloatArray,
+    free: FloatArray, terms: FloatArray,
+) -> None:  # fmt: skip
+    """free and terms = |row| |u| of the normal row r of a contact and, unless s < 0, of its rows s and s + 1."""
+    v, v1, v2, size, size1, size2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(2):
+        b = row_body[r, i]
+        if b < 0:
+            continue
+        d = dof[b]
+        for c in range(dof[b + 1] - d):
+            y = u[d + c]
+            x = rows[r, i, c] * y
+            v += x
+            size += abs(x)
+            if s >= 0:
+                x1, x2 = rows[s, i, c] * y, rows[s + 1, i, c] * y
+                v1 += x1
+                v2 += x2
+                size1 += abs(x1)
+                size2 += abs(x2)
+    free[r], terms[r - n_joint] = v, size
+    if s >= 0:
+        free[s], terms[s - n_joint] = v1, size1
+        free[s + 1], terms[s + 1 - n_joint] = v2, size2
+
+
+@kernel
+def add_impulses(work: SpatialWork, u: FloatArray) -> None:
+    """u += A^-1 W p of all rows laid and their impulses ``work.p``."""
+    n_joint, solved, row_body, dof, p = work.n_joint, work.solved, work.row_body, work.dof, work.p
+    apply_impulses(solved, row_body, 0, n_joint, p, dof, u)
+    for k in range(work.n_contacts):
+        r, j = n_joint + k, work.tangent_of[k]
+        if j < 0:
+            push(solved, row_body, dof, r, j, p[r], 0.0, 0.0, u)
+        else:
+            s = n_joint + work.n_contacts + j
+            push(solved, row_body, dof, r, s, p[r], p[s], p[s + 1], u)

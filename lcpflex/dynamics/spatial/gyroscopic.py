@@ -16,7 +16,7 @@ import math
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.joint_response import solve_joints
 from lcpflex.dynamics.spatial.body_forces import inertial_forces
-from lcpflex.dynamics.spatial.cone_sweeps import push
+from lcpflex.dynamics.spatial.delassus import push
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.mechanics import multiply, solve_vector
 from lcpflex.jit.kernel import FloatArray, kernel

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.dynamics.spatial.cone_sweeps import judge_island, push, speeds
+from lcpflex.dynamics.spatial.cone_sweeps import judge_island
 from lcpflex.dynamics.spatial.contact_problem import describe_island
+from lcpflex.dynamics.spatial.delassus import push, speeds
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, kernel
 

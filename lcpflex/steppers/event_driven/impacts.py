@@ -12,7 +12,7 @@ from lcpflex.dynamics.acceleration import ContactSets, lay_rows
 from lcpflex.dynamics.contact_problem import pose_island
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impact_laws import gives_back, impact_phases, integrates, reflects
-from lcpflex.dynamics.impulse import answer_joints, lay_impulse, pose
+from lcpflex.dynamics.impulse import add_impulses, answer_joints, lay_impulse, pose
 from lcpflex.dynamics.islands import forget_islands, unfinished
 from lcpflex.dynamics.joint_reactions import note_impulses
 from lcpflex.dynamics.workspace import Workspace
@@ -294,7 +294,7 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
         memory.number = work.number
         return UNSOLVED
     answer_joints(work)
-    apply_impulses(work.solved, work.row_body, 0, work.n_joint + n + work.n_tangents, work.p, work.dof, u)
+    add_impulses(work, u)
     account(model, work, memory, recorder, u)
     if compressed(model, settings, work, memory):
         memory.stage = EXPANDING

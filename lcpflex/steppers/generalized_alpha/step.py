@@ -11,7 +11,7 @@ import math
 from lcpflex.dynamics.acceleration import STICKING
 from lcpflex.dynamics.contact_problem import lay_contacts
 from lcpflex.dynamics.delassus import apply_impulses, free_velocities, row_velocity
-from lcpflex.dynamics.impulse import answer_joints, recall_joints
+from lcpflex.dynamics.impulse import add_impulses, answer_joints, recall_joints
 from lcpflex.dynamics.islands import Islands, forget_islands, unfinished
 from lcpflex.dynamics.joint_reactions import lay_reactions, note_ends, note_impulses
 from lcpflex.dynamics.large_island import prepare_large
@@ -247,8 +247,7 @@ def apply_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme,
     answer_joints(work)
     recall_joints(work)
     n_joint = work.n_joint
-    total = n_joint + work.n_contacts + work.n_tangents
-    apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
+    add_impulses(work, work.free_u)
     audit(t, work, scheme, recorder)
     for r in range(n_joint):
         recorder.counts.worst_drift = max(recorder.counts.worst_drift, abs(work.residual[r]))

@@ -15,8 +15,8 @@ from lcpflex.contact.table import entry_of
 from lcpflex.dynamics.contact_forces import elastic_energy
 from lcpflex.dynamics.contact_forces_friction import add_balanced_forces, compare_friction, forces_after
 from lcpflex.dynamics.contact_forces_history import update_history
-from lcpflex.dynamics.delassus import apply_impulses, row_velocity
-from lcpflex.dynamics.impulse import answer_joints, pose, recall_joints
+from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.dynamics.impulse import add_impulses, answer_joints, pose, recall_joints
 from lcpflex.dynamics.inertia import stiffened
 from lcpflex.dynamics.islands import unfinished
 from lcpflex.dynamics.joint_reactions import (
@@ -157,9 +157,7 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, rec
     """
     u = scheme.u
     n_joint = work.n_joint
-    n = work.n_contacts
     half = 0.5 * scheme.step
-    gained = 0.0
     for i in range(len(u)):
         both = u[i] + work.free_u[i]
         recorder.counts.lost_damping -= half * work.dissipative[i] * both
@@ -171,27 +169,39 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, rec
         recorder.counts.lost_damping += lost
     for k in range(contacts.n_contacts):
         add_compliant_impulse(contacts, k, scheme.step, recorder)
-    for r in range(n_joint + n + work.n_tangents):
+    for r in range(n_joint):
         p = work.p[r]
-        if p == 0.0 or (r < n_joint and work.rate[r] == 0.0):
+        if p != 0.0 and work.rate[r] != 0.0:
+            before = row_velocity(work.rows, work.row_body, r, work.dof, u)
+            after = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
+            recorder.counts.supplied += 0.5 * p * (before + after)
+    gained = audit_contacts(u, work, recorder)
+    note_gain(recorder, t, gained)
+    if len(recorder.reactions.impulse) > 0:
+        hit = work.n_contacts > 0 and struck(model, scheme, work, recorder.reactions)
+        note_step(model, work, scheme.step, hit, recorder.reactions)
+
+
+@in_space("lcpflex.steppers.spatial.audit")
+@kernel
+def audit_contacts(u: FloatArray, work: Workspace, recorder: Recorder) -> float:
+    """Add the work and the impulses of all contact rows to the recorder; what their impulses gained [J]."""
+    n_joint, n = work.n_joint, work.n_contacts
+    gained = 0.0
+    for r in range(n_joint, n_joint + n + work.n_tangents):
+        p = work.p[r]
+        if p == 0.0:
             continue
         before = row_velocity(work.rows, work.row_body, r, work.dof, u)
         after = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
         done = 0.5 * p * (before + after)
-        if r < n_joint:
-            recorder.counts.supplied += done
-        elif r < n_joint + n:
-            gained += done
+        gained += done
+        if r < n_joint + n:
             recorder.counts.lost_impacts -= done
-            add_impulse(work, r - n_joint, p, recorder)
         else:
-            gained += done
             recorder.counts.lost_friction -= done
-            add_impulse(work, r - n_joint, p, recorder)
-    note_gain(recorder, t, gained)
-    if len(recorder.reactions.impulse) > 0:
-        hit = n > 0 and struck(model, scheme, work, recorder.reactions)
-        note_step(model, work, scheme.step, hit, recorder.reactions)
+        add_impulse(work, r - n_joint, p, recorder)
+    return gained
 
 
 @kernel
@@ -234,8 +244,7 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, r
     theta = scheme.theta  # numbers of structs are read again behind each store: not in loops over coordinates
     answer_joints(work)
     recall_joints(work)
-    total = work.n_joint + work.n_contacts + work.n_tangents
-    apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
+    add_impulses(work, work.free_u)
     audit(model, scheme, t, work, recorder)
     compare_friction(work.free_u, h, work)
     largest = 0.0

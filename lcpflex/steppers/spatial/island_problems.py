@@ -37,12 +37,14 @@ def begin_island(work: SpatialWork, i: int, warm: bool) -> None:
     """Where the forces ``work.p`` of island i begin: from the last step, or from none."""
     memory, islands, table, known, p = work.solver, work.islands, work.table, work.remembered, work.p
     first, guess = islands.start[i], 0
+    memory.polished = 0
     for c in range(islands.start[i + 1] - first):
         k = islands.contact[first + c]
         place = place_of(known, table.key[k], guess) if warm else -1
         f, f1, f2, slip = known_force(known, place, table.normal, table.tangent, k, work.mu[k])
         if place >= 0:
             guess = place + 1 if place + 1 < known.n else 0
+            memory.polished = max(memory.polished, known.polished[known.now, place])
         r, j = work.n_joint + k, work.tangent_of[k]
         p[r] = f
         if j >= 0:
@@ -65,6 +67,7 @@ def keep_island(work: SpatialWork, i: int) -> None:
             s = work.n_joint + work.n_contacts + j
             f1, f2 = p[s], p[s + 1]
         known.carried[1 - known.now, known.n_next + c] = 1 if known.before[k] > 0.0 else 0
+        known.polished[1 - known.now, known.n_next + c] = memory.polished
         keep_force(known, known.n_next + c, table.key[k], table.normal, table.tangent, k, p[r], f1, f2, memory.slip[c])
     known.n_next += n
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from lcpflex.dynamics.large_island import describe_island as describe_bodies, is_large
-from lcpflex.dynamics.spatial.cone_sweeps import push, speeds
 from lcpflex.dynamics.spatial.contact_problem import describe_island, has_joints, pose_island
+from lcpflex.dynamics.spatial.delassus import push, speeds
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.mechanics import displace
 from lcpflex.jit.kernel import FloatArray, kernel

@@ -51,8 +51,13 @@ CRAWLING = 0.7  # of the residual left by LOOK sweeps: too much to go on for its
 
 @kernel
 def is_settled(memory: SpatialSolverMemory) -> bool:
-    """Whether what is left of the present point is rounding."""
-    return bool(memory.worst <= max(SETTLED * memory.load, ROUNDED * ROUNDING * memory.terms))
+    """Whether what is left of the present point is rounding.
+
+    Forces that were polished have cancelled what was left of the velocities as well, and would bring it back with the
+    other sign: in the step behind they are polished to the end, to those that keep still what is at rest.
+    """
+    share = POLISHED if memory.polished == 1 else SETTLED
+    return bool(memory.worst <= max(share * memory.load, ROUNDED * ROUNDING * memory.terms))
 
 
 @kernel
@@ -137,6 +142,7 @@ def sweep(data: SpatialContactData, memory: SpatialSolverMemory) -> float:
 def sweep_on(data: SpatialContactData, memory: SpatialSolverMemory, most: float, patient: bool) -> bool:
     """Sweeps until the forces are good enough, ``most`` in all, fewer where they crawl and one is not ``patient``."""
     polished, tolerance = 0, memory.tolerance
+    rested = memory.residual <= tolerance
     while memory.iterations < most:
         if memory.residual <= tolerance:
             if memory.sliding == 1 or polished >= POLISH or is_settled(memory):
@@ -151,7 +157,14 @@ def sweep_on(data: SpatialContactData, memory: SpatialSolverMemory, most: float,
         weigh_forces(data, memory)
         if memory.worst > CRAWLING * before and not patient:
             break
+    note_polish(memory, rested and polished > 0)
     return bool(memory.residual <= tolerance)
+
+
+@kernel
+def note_polish(memory: SpatialSolverMemory, polished: bool) -> None:
+    """Forces were good enough before they were ``polished``: those of the next step are polished to the end, once."""
+    memory.polished = 1 if polished and memory.polished == 0 else 0
 
 
 @kernel

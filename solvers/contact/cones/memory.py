@@ -66,6 +66,7 @@ class SpatialSolverMemory:
     worst: float  # absolute residual of the present point
     terms: float  # size of what cancels in its velocities
     sliding: int  # 1: some contact slips at it
+    polished: int  # 1: forces were polished in the last step, and behind the solution: in this one
     # what event-driven kernels of the plane read, which no contact of space comes to yet
     normal: FloatArray = array("contacts")
     tangential: FloatArray = array("contacts")
@@ -94,6 +95,7 @@ class SpatialRemembered:
     key: IntArray = array(2, "contacts")
     force: FloatArray = array(2, "contacts", 5)  # normal, friction (3, world axes), slip
     carried: IntArray = array(2, "contacts")  # 1: there was a force in the step before, too
+    polished: IntArray = array(2, "contacts")  # 1: forces of its island were polished, and not in the step before
     place: IntArray = array("contacts")  # of each contact of the present step in the last one, -1: new
     before: FloatArray = array("contacts")  # its normal force there
     slot: IntArray = array("slots")  # 1 + place in ``key`` by the remainder of the key
@@ -125,7 +127,7 @@ def remembered_cones(capacity: int, before: SpatialRemembered | None = None) -> 
     memory: Any = allocate(SpatialRemembered, {"contacts": capacity, "slots": 2 * capacity + 1})
     if before is not None:
         memory.n, memory.now = before.n, before.now
-        for name in ("key", "force", "carried"):
+        for name in ("key", "force", "carried", "polished"):
             getattr(memory, name)[:, : before.key.shape[1]] = getattr(before, name)
         for name in ("place", "before"):
             getattr(memory, name)[: len(before.place)] = getattr(before, name)

@@ -68,6 +68,21 @@ def test_box_at_rest_carries_its_weight_and_stops() -> None:
     assert np.array_equal(laid.forces().reshape(-1, 3)[:, 0], f[:, 0])
 
 
+def test_forces_that_keep_a_box_still_are_found_and_serve() -> None:
+    """A speed of rounding is not stopped and brought back by turns: 24 of 600 steps sweep, 116 where it was."""
+    laid = box_on_ground(size=(0.2828, 0.1414, 0.08), tilt=Rotation.from_rotvec([0.02, 0.0, 0.3]))
+    pull, u = falling(laid, (0.02, 0.05, -1.0)), np.zeros(6)
+    assert laid.solve(pull) == 0
+    u[2] = 3e-16
+    swept = 0
+    for _ in range(600):
+        assert laid.solve(u + pull, warm=True) == 0
+        swept += laid.work.solver.iterations > 0.0
+        u = laid.after(u + pull)
+    assert swept <= 40
+    assert np.abs(u).max() < 1e-14
+
+
 @pytest.mark.parametrize("mass", [1e-9, 1.0, 1e9])
 def test_block_on_an_incline_slides_by_the_closed_form(mass: float) -> None:
     """g (sin - mu cos) h down the slope where tan > mu, nothing where it is less; on tilted axes, any mass."""
