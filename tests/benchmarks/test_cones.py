@@ -1,4 +1,4 @@
-"""Steps of a rigid box on four and eight frictional contacts beside free ones: 3 to 5 and 10 to 18 us, 0.8 us."""
+"""A rigid box on four and eight frictional contacts: 2.2 and 3.9 us a step at rest, 6 and 15 sliding; free .63."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_contacts_cost_a_few_free_steps(interleave: Callable[..., Mapping[str, f
         "eight slide": standing(8, 0.02, 3.0),
     }
     medians = interleave({name: (lambda scene=scene: seconds_per_step(scene)) for name, scene in scenes.items()})
-    assert medians["rest"] <= 5.0 * medians["free"]
+    assert medians["rest"] <= 4.2 * medians["free"]
     assert medians["slide"] <= 15.0 * medians["free"]
     assert medians["eight at rest"] <= 2.4 * medians["rest"]
     assert medians["eight slide"] <= 2.4 * medians["slide"]
