@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
 from lcpflex.bodies.spatial.body import SpatialPoint
+from lcpflex.bodies.spatial.shapes import SurfaceShape
 from tests.spatial_bodies import random_body
 from tests.spatial_flight import flexible_body
 
@@ -187,3 +189,57 @@ def test_a_flexible_body_that_slides_has_order_two() -> None:
         assert result.energies.relative_remainder < 0.1 * step**2
     assert 1.9 < fitted(steps, errors) < 2.1
     assert errors[-1] < 3e-6
+
+
+def overhanging(beyond: float) -> lf.SpatialScene:
+    """A box on the edge of a block that is held, its mass centre ``beyond`` the edge [m], turned by .3 rad about z."""
+    scene = lf.SpatialScene()
+    block = scene.add(lf.Cuboid(1.0, 1.0, 1.0, mass=1e3), position=(-0.5, 0.0, -0.5))
+    scene.join(lf.Weld(block.at(0.0, 0.0, 0.0), scene.ground.at(-0.5, 0.0, -0.5)))
+    turn = Rotation.from_rotvec([0.0, 0.0, 0.3])
+    box = scene.add(lf.Cuboid(0.4, 0.2, 0.1, mass=1.0), "box", position=(beyond, 0.0, 0.05), orientation=turn)
+    scene.contact(box.surface(), block.surface(), friction=0.6, name="edge")
+    return scene
+
+
+@pytest.mark.parametrize("step", [1e-3, 2.5e-4])
+@pytest.mark.parametrize("beyond", [1e-5, 3e-4])
+def test_a_box_tips_over_an_edge_as_soon_as_its_mass_centre_is_beyond(beyond: float, step: float) -> None:
+    """Crossings of edges that begin in one corner are contacts of their own, with loads of their own."""
+    truth = lf.simulate(overhanging(beyond), 0.5, lf.EventDriven(), progress=False)
+    result = run(overhanging(beyond), 0.5, step)
+    tilt = result.orientation("box")[-1].as_matrix()[:, 2]
+    expected = truth.orientation("box")[-1].as_matrix()[:, 2]
+    assert np.linalg.norm(expected[:2]) > 100.0 * beyond
+    np.testing.assert_allclose(tilt, expected, atol=1e-3 * float(np.linalg.norm(expected[:2])))
+
+
+def test_a_box_at_rest_over_an_edge_is_carried_by_its_weight() -> None:
+    result = run(overhanging(-1e-3), 0.05, 1e-3)
+    np.testing.assert_allclose(result.contact("edge").normal_force[5:], G, rtol=1e-9)
+
+
+def corner() -> SurfaceShape:
+    """A floor and a wall of one piece, that meet in the line x = z = 0."""
+    outline = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, -0.2), (-0.2, -0.2), (-0.2, 1.0), (0.0, 1.0)])
+    vertices = np.array([(x, y, z) for y in (-0.5, 0.5) for x, z in outline])
+    ends = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]
+    sides = [t for a in range(6) for b in ((a + 1) % 6,) for t in ((a, a + 6, b + 6), (a, b + 6, b))]
+    triangles = np.array([*ends, *((c + 6, b + 6, a + 6) for a, b, c in ends), *sides])
+    return SurfaceShape(vertices, triangles[:, ::-1], np.zeros((12, 0, 3)))
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_a_ball_in_a_corner_is_free_to_leave_the_wall(friction: float) -> None:
+    """Pulled off by F: x = F t^2 / 2 m, and of one that rolls 5/7 of that. The floor's load is none of the wall."""
+    pull = 0.01
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, -G))
+    body = scene.add(lf.SpatialBody(mass=100.0, inertia=10.0 * np.eye(3), shape=corner()))
+    scene.join(lf.Weld(body.at(0.0, 0.0, 0.0), scene.ground.at(0.0, 0.0, 0.0)))
+    ball = scene.add(lf.Sphere(0.05, mass=1.0), "ball", position=(0.05, 0.013, 0.05))
+    scene.contact(ball.surface(), body.surface(), friction=friction, name="corner")
+    scene.load(lf.Force(ball.at(0.0, 0.0, 0.0), (pull, 0.0, 0.0)))
+    result = run(scene, 0.1, 2e-4)
+    moved = result.point("ball", (0.0, 0.0, 0.0))[-1, 0] - 0.05
+    assert abs(moved - 0.5 * pull * 0.1**2 * (5.0 / 7.0 if friction else 1.0)) < 1e-12
+    np.testing.assert_allclose(result.contact("corner").normal_force[5:], G, rtol=1e-9)

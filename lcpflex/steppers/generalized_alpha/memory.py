@@ -5,6 +5,7 @@ from __future__ import annotations
 from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import allocate, array, copy_parts, struct
 from lcpflex.model.layout import is_spatial
 from lcpflex.steppers.event_driven.memory import copy_entry
@@ -24,6 +25,7 @@ class Held:
     count: int
     load: FloatArray = array("contacts", "parts")  # normal and tangential; in space friction in world axes
     mode: IntArray = array("contacts")  # of the sets SMOOTH, STICKING, SLIDE_FORTH, SLIDE_BACK
+    taken: IntArray = array("contacts")  # 1 where an entry of a table has been found to be it
 
 
 @struct
@@ -127,19 +129,43 @@ def larger(system: System, old: AlphaScheme, capacity: int) -> AlphaScheme:
     return new
 
 
+@in_space("lcpflex.steppers.spatial.alpha")
 @kernel
-def match(table: ContactTable, k: int, held: Held) -> int:
-    """Which of the held contacts entry k of the table is; -1 for none.
+def same_node(table: ContactTable, k: int, other: ContactTable, i: int) -> bool:
+    """Whether entry k of a table is of the same node as entry i of another one, whatever they touch."""
+    return bool(table.node[k] == other.node[i])
+
+
+@kernel
+def match(table: ContactTable, n: int, held: Held, out: IntArray) -> None:
+    """Which of the held contacts each of the first n entries of the table is; -1 for none.
 
     The same pair of node and feature, or the same node where it has passed from one feature of a surface to the next.
+    Each held contact is one entry at most: a node that rests in one feature and touches another one beside it carries
+    nothing there.
     """
     for i in range(held.count):
-        if held.table.key[i] == table.key[k]:
-            return i
-    for i in range(held.count):
-        if held.table.law[i] == table.law[k] and held.table.node[i] == table.node[k]:
-            return i
-    return -1
+        held.taken[i] = 0
+    guess = 0
+    for k in range(n):
+        out[k] = -1
+        for step in range(held.count):
+            i = guess + step
+            if i >= held.count:
+                i -= held.count
+            if held.taken[i] == 0 and held.table.key[i] == table.key[k]:
+                out[k] = i
+                held.taken[i] = 1
+                guess = i + 1
+                break
+    for k in range(n):
+        if out[k] >= 0:
+            continue
+        for i in range(held.count):
+            if held.taken[i] == 0 and held.table.law[i] == table.law[k] and same_node(table, k, held.table, i):
+                out[k] = i
+                held.taken[i] = 1
+                break
 
 
 @kernel

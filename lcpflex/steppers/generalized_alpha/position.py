@@ -39,17 +39,12 @@ def gather_pressed(model: Model, work: Workspace, scheme: AlphaScheme) -> int:
     pressed = scheme.pressed
     if n + pressed.count > len(work.table.key):
         return n + pressed.count
+    match(work.table, n, pressed, scheme.matched)
+    for k in range(n):
+        i = scheme.matched[k]
+        scheme.total[k] = pressed.load[i, 0] if i >= 0 else 0.0
     for i in range(pressed.count):
-        scheme.matched[i] = 0
-    near = n
-    for k in range(near):
-        scheme.total[k] = 0.0
-        i = match(work.table, k, pressed)
-        if i >= 0 and scheme.matched[i] == 0:
-            scheme.total[k] = pressed.load[i, 0]
-            scheme.matched[i] = 1
-    for i in range(pressed.count):
-        if scheme.matched[i] == 0:
+        if pressed.taken[i] == 0:
             copy_entry(pressed.table, i, work.table, n)
             refresh(model, scheme.q_new, work.table, n)
             scheme.total[n] = pressed.load[i, 0]
@@ -88,9 +83,10 @@ def pose_position(model: Model, t: float, work: Workspace, scheme: AlphaScheme) 
         largest = max(largest, abs(scheme.q_new[i]))
     worst = position_error(model, t, n, work, scheme)
     if scheme.turn == 0:
+        match(work.table, n, scheme.resting, scheme.matched)
         for k in range(n):
             scheme.lifted = max(scheme.lifted, -work.table.gap[k])
-            if -work.table.gap[k] > scheme.struck_at and match(work.table, k, scheme.resting) < 0:
+            if -work.table.gap[k] > scheme.struck_at and scheme.matched[k] < 0:
                 scheme.struck_at = -work.table.gap[k]
     if worst <= CLOSED * (1.0 + largest) or scheme.turn >= MOST_LIFTS:
         scheme.phase = VELOCITY

@@ -88,9 +88,9 @@ def pose_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme) 
         work.free_u[i] = scheme.v_new[i]
     for r in range(n_joint + n, total):
         work.p[r] = 0.0
+    match(work.table, n, scheme.resting, scheme.matched)
     for k in range(n):
-        i = match(work.table, k, scheme.resting)
-        scheme.matched[k] = i
+        i = scheme.matched[k]
         work.p[n_joint + k] = -h * scheme.resting.load[i, 0] if i >= 0 else 0.0
         work.tangent_of[k] = -1
     for j in range(n_tangent - 1, -1, -1):  # in space two of each contact, and the first is told

@@ -16,7 +16,7 @@ import math
 from typing import Any
 
 from lcpflex.contact.detection import detect
-from lcpflex.contact.spatial.table import side_of
+from lcpflex.contact.spatial.table import EDGE_EDGE, SpatialContactTable, side_of
 from lcpflex.dynamics.acceleration import FORCE
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.mechanics import fill_contact_rows, solve_vector
@@ -41,6 +41,7 @@ __all__ = [
     "note_resting",
     "pose_modes",
     "resting_load",
+    "same_node",
     "slips_anew",
     "solve_problems",
 ]
@@ -231,6 +232,16 @@ def resting_load(work: SpatialWork, scheme: Any, k: int, r: int) -> float:
         return float(scheme.resting.load[i, 0])
     friction = resting_friction(work, scheme, k)
     return friction[0] if work.tangent_of[k] == r - first else friction[1]
+
+
+@kernel
+def same_node(table: SpatialContactTable, k: int, other: SpatialContactTable, i: int) -> bool:
+    """Whether entry k of a table is of the same node, edge or rim as entry i of another one, whatever they touch."""
+    if table.node[k] != other.node[i]:
+        return False
+    if table.kind[k] != EDGE_EDGE and other.kind[i] != EDGE_EDGE:
+        return True
+    return bool(table.kind[k] == other.kind[i] and table.point[k, 1] == other.point[i, 1])
 
 
 @kernel
