@@ -28,6 +28,7 @@ __all__ = [
     "RIMMED",
     "RIM_POINTS",
     "TOUCHES",
+    "TWO_SIDED",
     "Pass",
     "SpatialKind",
     "SpatialSurface",
@@ -70,7 +71,9 @@ EDGED = tuple(kind in WITH_EDGES for kind in SpatialKind)  # by their codes, tho
 CAPSULE = CODES[SpatialKind.CAPSULE]
 RIMMED = (SpatialKind.CYLINDER, SpatialKind.RIM)  # those that touch with circles
 RIM_POINTS = 8  # of each rim, on which a cylinder or disc stands
-ALL_FEATURES, NO_POINTS, EDGES = range(3)  # what a pass looks at: nodes against all, against all but points; edges
+# what a pass looks at: nodes against all, against all but points; edges; nodes against all. Of the second and the last,
+# the nodes of the other surface and the edges of both are looked at, too: what a node stands for is itself alone
+ALL_FEATURES, NO_POINTS, EDGES, TWO_SIDED = range(4)
 
 
 class Pass(NamedTuple):
@@ -146,7 +149,8 @@ def passes_of(kinds: tuple[int, int], deform: bool, points: tuple[int, int]) -> 
     if deform:
         return (Pass(first, other),) if points[first] >= points[other] else (Pass(other, first),)
     capsule = kinds[first] == CAPSULE  # its ends have touched what is a point already
-    return Pass(first, other), Pass(other, first, NO_POINTS if capsule else ALL_FEATURES), Pass(first, other, EDGES)
+    back = NO_POINTS if capsule else TWO_SIDED
+    return Pass(first, other, TWO_SIDED), Pass(other, first, back), Pass(first, other, EDGES)
 
 
 def surface_of(shape: Shape) -> SpatialSurface | None:

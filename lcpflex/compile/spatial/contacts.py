@@ -12,7 +12,7 @@ from lcpflex.compile.spatial.assembly import SpatialAssembly
 from lcpflex.compile.spatial.contact_surfaces import bounds_of, boxes_of, deflections, features_of, nodes_of
 from lcpflex.compile.spatial.feature_tree import FeatureTree, tree_of
 from lcpflex.compile.spatial.features import Feature
-from lcpflex.compile.spatial.mesh_features import node_normals
+from lcpflex.compile.spatial.mesh_features import node_facings, node_normals
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import frozen
 from lcpflex.model.spatial import SpatialContacts, no_spatial_contacts
@@ -99,6 +99,7 @@ def _parts(surfaces: Sequence[PlacedSurface], assembly: SpatialAssembly) -> dict
     """Nodes and features of the surfaces, and the boxes about these."""
     nodes: list[tuple[int, float]] = []
     normals: list[FloatArray] = []
+    facings: list[FloatArray] = []
     features: list[Feature] = []
     trees: list[FeatureTree] = []
     node_start, feature_start = [0], [0]
@@ -110,7 +111,9 @@ def _parts(surfaces: Sequence[PlacedSurface], assembly: SpatialAssembly) -> dict
         features += own
         carrying = nodes_of(surface.shape, indices)
         round_ones = surface.shape.radius > 0.0 or not len(surface.shape.triangles)
-        normals += [np.zeros(3)] * len(carrying) if round_ones else list(node_normals(surface.shape))
+        own_normals = np.zeros((len(carrying), 3)) if round_ones else node_normals(surface.shape)
+        normals.append(own_normals)
+        facings.append(np.zeros(len(carrying)) if round_ones else node_facings(surface.shape, own_normals))
         nodes += carrying
         node_start.append(len(nodes))
         feature_start.append(len(features))
@@ -121,7 +124,8 @@ def _parts(surfaces: Sequence[PlacedSurface], assembly: SpatialAssembly) -> dict
         "node_start": frozen(node_start, ints),
         "node_point": frozen([point for point, _ in nodes], ints),
         "node_radius": frozen([radius for _, radius in nodes]),
-        "node_normal": frozen(normals, columns=3),
+        "node_normal": frozen(np.concatenate(normals), columns=3),
+        "node_facing": frozen(np.concatenate(facings)),
         "feature_start": frozen(feature_start, ints),
         "feature_kind": frozen([f.kind for f in features], ints),
         "feature_point": frozen([f.points for f in features], ints, columns=3),

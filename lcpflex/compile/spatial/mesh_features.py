@@ -14,9 +14,10 @@ import numpy as np
 from lcpflex.bodies.spatial.surface import SpatialSurface
 from lcpflex.compile.spatial.features import Feature
 from lcpflex.contact.spatial.kinds import EDGE, FACET, POINT
+from lcpflex.contact.spatial.narrow_phase.edges import TILT
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
-__all__ = ["mesh_features", "node_normals"]
+__all__ = ["mesh_features", "node_facings", "node_normals"]
 
 STRAIGHT = 1e-9  # [rad] an edge of smaller turn is flat
 BENT = 0.2  # [rad] on a flexible body, a hollow edge of smaller turn may be bent to a bulge
@@ -70,6 +71,21 @@ def node_normals(surface: SpatialSurface) -> FloatArray:
         np.add.at(means, vertex, angle[:, None] * normals)
     lengths = np.linalg.norm(means, axis=1)[:, None]
     return np.where(lengths > STRAIGHT, means / np.maximum(lengths, STRAIGHT), 0.0)
+
+
+def node_facings(surface: SpatialSurface, means: FloatArray) -> FloatArray:
+    """(points,) cosine of the angle between the mean normal of each vertex and that of any facet about it, at most.
+
+    A little is added to that angle, as faces that are nearly parallel touch; 0 where it is a right angle, or unknown.
+    """
+    widest = np.where(means.any(axis=1), 0.0, 0.5 * math.pi)
+    if len(surface.triangles):
+        normals = facet_normals(np.array([point.place for point in surface.points]), surface.triangles)
+        for k in range(3):
+            vertex = surface.triangles[:, k]
+            sines = np.linalg.norm(np.cross(means[vertex], normals), axis=1)
+            np.maximum.at(widest, vertex, np.arctan2(sines, np.einsum("ij,ij->i", means[vertex], normals)))
+    return np.asarray(np.cos(np.minimum(widest + TILT, 0.5 * math.pi)))
 
 
 def facet_normals(places: FloatArray, triangles: IntArray) -> FloatArray:

@@ -7,7 +7,7 @@ too; but those of a hollow hold it together.
 
 from __future__ import annotations
 
-from lcpflex.bodies.spatial.surface import NO_POINTS
+from lcpflex.bodies.spatial.surface import NO_POINTS, TWO_SIDED
 from lcpflex.contact.spatial.entries import load_node
 from lcpflex.contact.spatial.kinds import EDGE, FACET, POINT
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, frame_of, place_in, seen_from, world_place
@@ -109,9 +109,11 @@ def collect(
 ) -> int:  # fmt: skip
     """Candidates of one node with the features of surface b, at most ``highest`` above them; returns the new count.
 
-    m: outward normal of the node, in the frame of the features, as its place.
+    m: outward normal of the node, in the frame of the features, as its place. In passes of two sides a node touches
+    what its own facets face alone: a node within a flat face would catch the side of a body that slides over it.
     """
     c = model.contacts
+    facing = c.node_facing[node] if mode == TWO_SIDED or mode == NO_POINTS else 0.0
     near = highest + table.bound[b, 3] + thin
     box = c.box_start[b]
     while box < c.box_start[b + 1]:
@@ -129,11 +131,13 @@ def collect(
                 continue
             found = over(model, q, frame, f, place, highest, thin)
             length = 1.0 if kind == FACET else found.distance
-            if not found.owned or dot(m, found.away) > FACING * length:
+            least = facing if kind == FACET or length > thin else 0.0
+            if not found.owned or dot(m, found.away) > (FACING - least) * length:
                 continue
             if n < len(table.key):
                 chosen = NODE_FACET if kind == FACET else (NODE_EDGE if kind == EDGE else NODE_POINT)
                 load_node(model, table, n, law, chosen, node, f)
+                table.facing[n] = least
                 table.gap[n] = found.distance
                 for k in range(3):
                     table.normal[n, k] = found.away[k]

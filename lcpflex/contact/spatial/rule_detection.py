@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.bodies.spatial.surface import ALL_FEATURES, CAPSULE, EDGED, EDGES, NO_POINTS, TOUCHES
+from lcpflex.bodies.spatial.surface import ALL_FEATURES, CAPSULE, EDGED, EDGES, NO_POINTS, TOUCHES, TWO_SIDED
 from lcpflex.contact.rule_pairs import MORE_LAWS, is_barred, law_of_pair, new_law
 from lcpflex.contact.spatial.bounds import near_surfaces
 from lcpflex.contact.spatial.broad_phase import may_meet, near_pairs
@@ -51,9 +51,9 @@ def detect_between(
             return detect_pass(model, q, margin, table, a, b, law, ALL_FEATURES, n)
         return detect_pass(model, q, margin, table, b, a, law, ALL_FEATURES, n)
     before = n
-    n = detect_pass(model, q, margin, table, a, b, law, ALL_FEATURES, n)
+    n = detect_pass(model, q, margin, table, a, b, law, TWO_SIDED, n)
     start = n
-    n = detect_pass(model, q, margin, table, b, a, law, NO_POINTS if kind_a == CAPSULE else ALL_FEATURES, n)
+    n = detect_pass(model, q, margin, table, b, a, law, NO_POINTS if kind_a == CAPSULE else TWO_SIDED, n)
     if start < n <= len(table.key):
         n = drop_twice(model, q, table, b, a, before, start, n)
     return detect_pass(model, q, margin, table, a, b, law, EDGES, n)

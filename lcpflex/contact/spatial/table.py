@@ -49,6 +49,7 @@ class SpatialContactTable:
     point: IntArray = array("contacts", 5)  # material points: P, or a, b, or o and on the axis; then those of j
     radius: FloatArray = array("contacts", 3)  # of the node (or edge) of i, of the feature of j, of a rim [m]
     sense: FloatArray = array("contacts")  # of the normal: of spheres sign of R, of two edges that of e x f; else +1
+    facing: FloatArray = array("contacts")  # of nodes: least cosine of their outward normal and that of j, reversed
     foot: FloatArray = array("contacts", 2)  # xi^1, xi^2 in a facet; s on an edge; s and t of two edges
     body: IntArray = array("contacts", 2)  # i, j; -1: ground
     gap: FloatArray = array("contacts")  # [m]
@@ -97,6 +98,7 @@ def copy_entry(source: SpatialContactTable, i: int, target: SpatialContactTable,
     target.kind[j] = source.kind[i]
     target.node[j] = source.node[i]
     target.sense[j] = source.sense[i]
+    target.facing[j] = source.facing[i]
     target.gap[j] = source.gap[i]
     target.along[j] = source.along[i]
     for c in range(5):

@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
+from lcpflex.bodies.spatial.shapes import SurfaceShape
 from lcpflex.contact.near import near
 from lcpflex.contact.spatial.table import NODE_FACET, NODE_POINT
 from lcpflex.jit.struct import pack
@@ -102,3 +103,43 @@ def test_faces_that_are_pressed_into_each_other_touch_across_them_alone(
     told = compiled.at(q, compiled.u)
     np.testing.assert_allclose(told.gaps, np.full(4, -depth), atol=1e-15)
     np.testing.assert_allclose(told.normals, np.tile([-1.0, 0.0, 0.0], (4, 1)), atol=1e-12)
+
+
+def paved(nx: int, ny: int) -> SurfaceShape:
+    """A slab of 2 x 1 x .2 m whose top, at z = 0, and bottom are cut into nx times ny pairs of triangles."""
+    x, y = np.linspace(-1.0, 1.0, nx + 1), np.linspace(-0.5, 0.5, ny + 1)
+    top = np.array([(a, b, 0.0) for a in x for b in y])
+    n = len(top)
+    cells = [(i * (ny + 1) + j, (i + 1) * (ny + 1) + j) for i in range(nx) for j in range(ny)]
+    upper = [t for a, b in cells for t in ((a, b, b + 1), (a, b + 1, a + 1))]
+    ring = [i * (ny + 1) for i in range(nx)] + [nx * (ny + 1) + j for j in range(ny)]
+    ring += [i * (ny + 1) + ny for i in range(nx, 0, -1)] + list(range(ny, 0, -1))
+    around = zip(ring, (*ring[1:], ring[0]), strict=True)
+    sides = [t for a, b in around for t in ((a + n, b + n, b), (a + n, b, a))]
+    triangles = np.array([*upper, *((c + n, b + n, a + n) for a, b, c in upper), *sides])
+    return SurfaceShape(np.vstack([top, top - [0.0, 0.0, 0.2]]), triangles, np.zeros((2 * n, 0, 3)))
+
+
+def on_pavement(place: tuple[float, float, float], **motion: tuple[float, float, float]) -> lf.SpatialScene:
+    """A box without friction on a floor of many triangles."""
+    scene = lf.SpatialScene()
+    slab = scene.add(lf.SpatialBody(mass=1e3, inertia=100.0 * np.eye(3), shape=paved(20, 9)))
+    scene.join(lf.Weld(slab.at(0.0, 0.0, 0.0), scene.ground.at(0.0, 0.0, 0.0)))
+    box = scene.add(lf.Cuboid(0.2, 0.15, 0.1, mass=1.0), "box", place, Rotation.from_rotvec([0, 0, 0.3]), **motion)
+    scene.contact(box.surface(), slab.surface())
+    return scene
+
+
+def test_what_stands_on_a_face_of_many_triangles_touches_no_vertex_within_that_face() -> None:
+    """Those beside the box are level with its bottom, in front of its sides: they would catch it where it slides."""
+    table, n = found(on_pavement((-0.3, 0.02, 0.05)), 0.05)
+    assert n >= 4
+    np.testing.assert_allclose(np.abs(table.normal[:n, 2]), 1.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("y", [0.02, -0.07, 0.055])
+def test_a_box_slides_over_a_face_of_many_triangles_as_over_a_plane(y: float) -> None:
+    scene = on_pavement((-0.7, y, 0.05), velocity=(1.0, 0.21, 0.0), angular_velocity=(0.0, 0.0, 2.0))
+    result = lf.simulate(scene, 0.8, lf.EventDriven(), progress=False)
+    np.testing.assert_allclose(result.velocity("box", (0.0, 0.0, 0.0))[-1], [1.0, 0.21, 0.0], atol=1e-9)
+    np.testing.assert_allclose(result.angular_velocity("box")[-1], [0.0, 0.0, 2.0], atol=1e-9)

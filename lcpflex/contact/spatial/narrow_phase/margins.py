@@ -141,4 +141,4 @@ def margin_on_i(model: SpatialModel, q: FloatArray, i: Frame, table: SpatialCont
     m = row_vector(c.node_normal, touching)
     if dot(m, m) == 0.0:
         return math.inf
-    return -dot(turned(i.A, m), n)
+    return -dot(turned(i.A, m), n) - table.facing[k]
