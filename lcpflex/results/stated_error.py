@@ -18,6 +18,7 @@ import numpy as np
 
 from lcpflex.basics.lengths import lengths
 from lcpflex.contact.narrow_phase.feature import SEGMENT
+from lcpflex.contact.spatial.kinds import SIDE
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
@@ -237,7 +238,7 @@ def _shapes(model: Model, units: Units) -> tuple[FloatArray, FloatArray, list[In
     for node, feature, law in zip(contacts.pass_node, contacts.pass_feature, contacts.pass_law, strict=True):
         bodies = [int(b) for b in contacts.surface_body[[node, feature]] if b >= 0]
         partners[law].update(bodies)
-        if not straight[feature] and widest[node] > 0.0:
+        if (not straight[feature] or _is_round(contacts, feature)) and widest[node] > 0.0:
             own = slice(contacts.feature_start[feature], contacts.feature_start[feature + 1])
             radius = widest[node] + float(np.abs(contacts.feature_radius[own]).max(initial=0.0))
             curved[law] = max(curved[law], 1.0 / radius)
@@ -245,6 +246,12 @@ def _shapes(model: Model, units: Units) -> tuple[FloatArray, FloatArray, list[In
             extents = [units.extent(b) for b in bodies if cornered[b]]
             curved[law] = max([curved[law], *(1.0 / extent for extent in extents if extent > 0.0)])
     return cornered, curved, [np.array(sorted(pair), dtype=np.int64) for pair in partners]
+
+
+def _is_round(contacts: Any, surface: int) -> bool:
+    """Whether it is round where spheres touch it, although it has flat ends: a cylinder of space."""
+    first, last = contacts.feature_start[surface : surface + 2].tolist()
+    return not hasattr(contacts, "node_span") and bool((contacts.feature_kind[first:last] == SIDE).any())
 
 
 def _is_straight(contacts: Any, surface: int) -> bool:

@@ -33,6 +33,7 @@ __all__ = [
     "SpatialKind",
     "SpatialSurface",
     "carried",
+    "cylinder",
     "passes_of",
     "plane",
     "rim",
@@ -57,8 +58,8 @@ class SpatialKind(Enum):
 CODES = {kind: code for code, kind in enumerate(SpatialKind)}  # by which kernels know them
 SOLID = (SpatialKind.CAPSULE, SpatialKind.POLYHEDRON, SpatialKind.MESH, SpatialKind.HOLE, SpatialKind.PLANE)
 TOUCHED = {  # what the nodes of a surface may touch
-    SpatialKind.NODE: (SpatialKind.SPHERE, *SOLID),
-    SpatialKind.SPHERE: (SpatialKind.SPHERE, *SOLID),
+    SpatialKind.NODE: (SpatialKind.SPHERE, SpatialKind.CYLINDER, *SOLID),
+    SpatialKind.SPHERE: (SpatialKind.SPHERE, SpatialKind.CYLINDER, *SOLID),
     SpatialKind.CAPSULE: SOLID,
     SpatialKind.CYLINDER: (SpatialKind.PLANE,),
     SpatialKind.RIM: (SpatialKind.PLANE,),
@@ -161,7 +162,7 @@ def surface_of(shape: Shape) -> SpatialSurface | None:
         ends = tuple(rigid_point(0.0, 0.0, sign * 0.5 * shape.length) for sign in (-1.0, 1.0))
         return SpatialSurface(SpatialKind.CAPSULE, ends, shape.radius)
     if isinstance(shape, CylinderShape):
-        return _cylinder(shape.radius, 0.5 * shape.length)
+        return _cylinder(rigid_point(0.0, 0.0, 0.0), np.eye(3), shape.radius, shape.length)
     if isinstance(shape, SurfaceShape):
         points = tuple(
             SpatialPoint(place, phi, np.zeros_like(phi), False)
@@ -170,13 +171,6 @@ def surface_of(shape: Shape) -> SpatialSurface | None:
         kind = SpatialKind.POLYHEDRON if shape.convex and not shape.phi.size else SpatialKind.MESH
         return SpatialSurface(kind, points, triangles=shape.triangles)
     return None
-
-
-def _cylinder(radius: float, half: float) -> SpatialSurface:
-    """Centres of both rims, and points on them."""
-    rims = [rigid_point(*place) for z in (-half, half) for place in _circle(radius) + np.array([0.0, 0.0, z])]
-    centers = [rigid_point(0.0, 0.0, z) for z in (-half, half)]
-    return SpatialSurface(SpatialKind.CYLINDER, (*centers, *rims), radius)
 
 
 def _circle(radius: float) -> FloatArray:
@@ -191,6 +185,20 @@ def rim(center: SpatialPoint, axis: FloatArray, radius: float) -> SpatialSurface
     around = _circle(radius) @ np.array([first, second, n])
     points = (center, carried(center, radius * n), *(carried(center, offset) for offset in around))
     return SpatialSurface(SpatialKind.RIM, points, radius)
+
+
+def cylinder(center: SpatialPoint, axis: FloatArray, radius: float, length: float) -> SpatialSurface:
+    """A cylinder about ``axis`` (3,), not zero, around ``center``, carried by the material there."""
+    n, first, second = _frame(axis)
+    return _cylinder(center, np.array([first, second, n]), radius, length)
+
+
+def _cylinder(center: SpatialPoint, axes: FloatArray, radius: float, length: float) -> SpatialSurface:
+    """Along the third row of ``axes`` (3, 3): the centres of both rims, and points on them."""
+    ends = [0.5 * sign * length * axes[2] for sign in (-1.0, 1.0)]
+    around = _circle(radius) @ axes
+    points = (carried(center, offset) for offset in (*ends, *(end + offset for end in ends for offset in around)))
+    return SpatialSurface(SpatialKind.CYLINDER, tuple(points), radius)
 
 
 def plane(point: SpatialPoint, normal: FloatArray) -> SpatialSurface:

@@ -10,7 +10,7 @@ import numpy as np
 from lcpflex.bodies.spatial.surface import RIMMED, SpatialKind, SpatialSurface
 from lcpflex.compile.spatial.features import Feature
 from lcpflex.compile.spatial.mesh_features import mesh_features
-from lcpflex.contact.spatial.kinds import EDGE, FACET, PLANE, POINT, RIM
+from lcpflex.contact.spatial.kinds import CAP, EDGE, FACET, PLANE, POINT, RIM, SIDE
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["bounds_of", "boxes_of", "deflections", "features_of", "nodes_of"]
@@ -42,7 +42,10 @@ def features_of(surface: SpatialSurface, indices: Sequence[int], first: int) -> 
         return [Feature(RIM, (indices[0], indices[1], indices[0]), radius)]
     if kind is SpatialKind.CYLINDER:
         low, high = indices[:2]
-        return [Feature(RIM, (p, q, p), radius) for p, q in ((low, high), (high, low))]
+        rims = [Feature(RIM, (p, q, p), radius) for p, q in ((low, high), (high, low))]
+        half = 0.5 * float(np.linalg.norm(surface.points[1].place - surface.points[0].place))
+        ends = [Feature(CAP, (p, p, p), radius, depth=half) for p in (low, high)]
+        return [*rims, Feature(SIDE, (low, high, low), radius, depth=radius), *ends]
     return mesh_features(surface, indices, first) if kind in MESHES else []
 
 
@@ -82,4 +85,9 @@ def deflections(surfaces: Sequence[SpatialSurface]) -> FloatArray:
     for row, surface in zip(found, surfaces, strict=True):
         for point in surface.points:
             row[: len(point.phi)] = np.maximum(row[: len(point.phi)], np.linalg.norm(point.phi, axis=1))
+        if surface.kind is SpatialKind.CYLINDER:  # it turns with the material where it begins, and has other points
+            start, end = surface.points[:2]
+            reach = math.hypot(float(np.linalg.norm(end.place - start.place)), surface.radius)
+            turned = np.linalg.norm(start.phi, axis=1) + reach * np.linalg.norm(start.psi, axis=1)
+            row[: len(turned)] = np.maximum(row[: len(turned)], turned)
     return found

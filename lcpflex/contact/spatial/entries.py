@@ -9,7 +9,7 @@ from lcpflex.contact.spatial.table import EDGE_EDGE, RIM_FACET, SpatialContactTa
 from lcpflex.jit.kernel import kernel
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["load_edges", "load_node", "load_rim"]
+__all__ = ["load_by_cylinder", "load_edges", "load_node", "load_rim"]
 
 
 @kernel
@@ -74,3 +74,17 @@ def load_rim(model: SpatialModel, table: SpatialContactTable, k: int, law: int, 
     for v in range(3):
         table.point[k, 2 + v] = c.feature_point[f, v]
     table.radius[k, 2] = c.feature_radius[rim]
+
+
+@kernel
+def load_by_cylinder(
+    model: SpatialModel, table: SpatialContactTable, k: int, law: int, kind: int, node: int, first: int, part: int
+) -> None:
+    """Entry k, of a node with a part of the cylinder whose features begin at ``first``; 0 and 3 are at its start."""
+    c = model.contacts
+    load_pair(model, table, k, law, kind, node, c.node_point[node], first + part)
+    table.point[k, 1] = c.feature_point[first, 0]
+    table.point[k, 2] = c.feature_point[first, 1]
+    table.radius[k, 0] = c.node_radius[node]
+    table.radius[k, 2] = c.feature_radius[first]
+    table.sense[k] = -1.0 if part in (0, 3) else 1.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["EDGE", "FACET", "PLANE", "POINT", "RIM"]
+__all__ = ["CAP", "EDGE", "FACET", "PLANE", "POINT", "RIM", "SIDE"]
 
-FACET, EDGE, POINT, PLANE, RIM = range(5)  # POINT: a vertex, or a sphere (radius < 0: a hole)
+# POINT: a vertex, or a sphere (radius < 0: a hole). SIDE, CAP: of a cylinder, behind its two rims
+FACET, EDGE, POINT, PLANE, RIM, SIDE, CAP = range(7)

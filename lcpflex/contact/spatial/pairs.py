@@ -5,7 +5,8 @@ Whatever touches, each side is a mean of material points of one body and a lever
     v_rel = (v_i + Omega_i x l_i) - (v_j + Omega_j x l_j),   gdot_d = d.v_rel for d = n, t1, t2 = n x t1,
 
 with l = -rho n of a node (sphere) or edge of body i with radius rho, R c - rho n of a rim, and R n of a sphere, capsule
-or bore of body j. With b_rel the rate of v_rel at udot = 0, the sliding of both feet being in it,
+or bore of body j; of a cylinder, the whole way from where it begins. With b_rel the rate of v_rel at udot = 0, the
+sliding of both feet being in it,
 
     w_d = d.b_rel + ddot.v_rel,   t1dot = -(t1.ndot) n + sigma t2,   t2dot = -(t2.ndot) n - sigma t1.
 
@@ -15,6 +16,12 @@ Ericson 2005 (closest features); Pfeiffer & Glocker 1996 (the plane); the equati
 
 from __future__ import annotations
 
+from lcpflex.contact.spatial.narrow_phase.cylinder import (
+    cylinder_lever,
+    cylinder_lever_rate,
+    cylinder_turning,
+    refresh_cylinder,
+)
 from lcpflex.contact.spatial.narrow_phase.edge import edge_turning, refresh_edge
 from lcpflex.contact.spatial.narrow_phase.edges import edges_turning, refresh_edges
 from lcpflex.contact.spatial.narrow_phase.facet import plane_slip, plane_turn, refresh_facet, refresh_over_ground
@@ -45,6 +52,7 @@ from lcpflex.contact.spatial.table import (
     NODE_EDGE,
     NODE_FACET,
     NODE_POINT,
+    NODE_SIDE,
     RIM_FACET,
     SpatialContactTable,
 )
@@ -90,8 +98,16 @@ def locate(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: in
         refresh_point(points, q, i, j, table, k)
     elif kind == EDGE_EDGE:
         refresh_edges(points, q, i, j, table, k)
-    else:
+    elif kind == RIM_FACET:
         refresh_rim(points, q, i, j, table, k)
+    else:
+        refresh_cylinder(points, q, i, j, table, k)
+
+
+@kernel
+def by_cylinder(table: SpatialContactTable, k: int) -> bool:
+    """Whether entry k is that of a node with a part of a cylinder: its kinds are the last ones."""
+    return table.kind[k] >= NODE_SIDE
 
 
 @kernel
@@ -106,9 +122,9 @@ def mean_on_i(table: SpatialContactTable, k: int) -> Mean:
 
 @kernel
 def mean_on_j(table: SpatialContactTable, k: int) -> Mean:
-    """What of body j is touched in entry k: the foot in its facet or on its edge, a vertex, the centre of a sphere."""
+    """What of body j is touched in entry k: a foot, a vertex, the centre of a sphere, or where a cylinder begins."""
     kind = table.kind[k]
-    if kind == NODE_POINT:
+    if kind == NODE_POINT or by_cylinder(table, k):
         return single(table.point[k, 1])
     first = 1 if kind in (NODE_FACET, NODE_EDGE) else 2
     a = table.point[k, first]
@@ -136,6 +152,16 @@ def radius_of_j(table: SpatialContactTable, k: int) -> float:
     """Radius of the feature of body j [m]; facets have none."""
     kind = table.kind[k]
     return 0.0 if kind in (NODE_FACET, RIM_FACET) else table.radius[k, 1]
+
+
+@kernel
+def lever_on_j(
+    model: SpatialModel, q: FloatArray, frame: Frame, table: SpatialContactTable, k: int, n: Vector
+) -> Vector:
+    """From what is touched of body j to the place of contact [m], world axes."""
+    if by_cylinder(table, k):
+        return cylinder_lever(model.points, q, (frame_of(model.bodies, q, table.body[k, 0]), frame), table, k, n)
+    return scaled(radius_of_j(table, k), n)
 
 
 @kernel
@@ -172,7 +198,7 @@ def contact_rows(
             lay_side(points, q, frame, mean, lever, 1.0, n, t, normal[0], first[0], second[0])
         else:
             mean = mean_on_j(table, k)
-            lever = scaled(radius_of_j(table, k), n)
+            lever = lever_on_j(model, q, frame, table, k, n)
             lay_side(points, q, frame, mean, lever, -1.0, n, t, normal[1], first[1], second[1])
 
 
@@ -193,6 +219,8 @@ def turning_of(
         return edge_turning(points, q, u, frames[1], motions[1], table, k, n, t, dv)
     if kind == NODE_POINT:
         return point_turning(frames[1], motions[1], table, k, n, t, dv)
+    if by_cylinder(table, k):
+        return cylinder_turning(points, q, u, frames, motions, table, k, n, t, dv)
     return edges_turning(points, q, u, frames, motions, table, k, n, t, dv)
 
 
@@ -216,6 +244,17 @@ def rim_motion(
     v, b = lever_motion(spin, turn, scaled(R, c), scaled(R, rate))
     lowest = added(dv, scaled(R, rate))
     return v, b, plane_slip(plane, lowest, table.gap[k] + table.radius[k, 0])
+
+
+@kernel
+def cylinder_motion(
+    points: SpatialPoints, q: FloatArray, u: FloatArray, frames: tuple[Frame, Frame], motions: tuple[Motion, Motion],
+    table: SpatialContactTable, k: int, n: Vector, ndot: Vector, dv: Vector,
+) -> tuple[Vector, Vector]:  # fmt: skip
+    """What the lever on a cylinder adds to v and b of body j in entry k; dv: of the node from where it begins."""
+    spin, turn = point_spin(points, q, u, frames[1], motions[1], table.point[k, 1])
+    lever = cylinder_lever(points, q, frames, table, k, n)
+    return lever_motion(spin, turn, lever, cylinder_lever_rate(table, k, n, ndot, dv, spin, lever))
 
 
 @kernel
@@ -252,6 +291,7 @@ def contact_bias(
     of_i = mean_motion(points, q, u, frames[0], motions[0], on_i) if i >= 0 else AT_REST
     of_j = mean_motion(points, q, u, frames[1], motions[1], on_j) if j >= 0 else AT_REST
     v, b = apart_from(of_i.v, of_j.v), apart_from(of_i.b, of_j.b)
+    dv = v
     if table.kind[k] == RIM_FACET:
         more, bias, turning = rim_motion(points, q, u, frames, motions, table, k, n, t, v)
         v, b = added(v, more), added(b, bias)
@@ -263,6 +303,9 @@ def contact_bias(
         spin, turn = mean_spin(points, q, u, frames[0], motions[0], on_i, turning.slide_i)
         more, bias = lever_motion(spin, turn, scaled(-radius, n), scaled(-radius, turning.ndot))
         v, b = added(v, more), added(b, bias)
+    if by_cylinder(table, k):
+        more, bias = cylinder_motion(points, q, u, frames, motions, table, k, n, turning.ndot, dv)
+        v, b = apart_from(v, more), apart_from(b, bias)
     radius = radius_of_j(table, k)
     if radius != 0.0 and j >= 0:
         spin, turn = mean_spin(points, q, u, frames[1], motions[1], on_j, turning.slide_j)
@@ -303,6 +346,9 @@ def gap_rate(model: SpatialModel, q: FloatArray, u: FloatArray, table: SpatialCo
     if j >= 0:
         frame, motion = frame_of(bodies, q, j), frame_motion(bodies, u, j)
         rate -= dot(n, mean_velocity(points, q, u, frame, motion, mean_on_j(table, k)))
+        if by_cylinder(table, k):
+            spin, _ = point_spin(points, q, u, frame, motion, table.point[k, 1])
+            rate -= dot(n, cross(spin, lever_on_j(model, q, frame, table, k, n)))
     return rate
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from lcpflex.bodies.spatial.surface import EDGES, RIM_POINTS
 from lcpflex.contact.spatial.bounds import plane_vector, set_over_plane
+from lcpflex.contact.spatial.cylinder_pass import nodes_on_cylinder
 from lcpflex.contact.spatial.edge_pass import edges_on_edges
 from lcpflex.contact.spatial.entries import load_node, load_rim
 from lcpflex.contact.spatial.kinds import PLANE, POINT, RIM
@@ -82,6 +83,8 @@ def rims_on_plane(
     body = frame_of(model.bodies, q, c.surface_body[a])
     first = c.feature_start[a]
     for rim in range(first, c.feature_start[a + 1]):
+        if c.feature_kind[rim] != RIM:
+            break
         axis = rim_axis(model.points, q, body, c.feature_point[rim, 0], c.feature_point[rim, 1])
         lowest, tilt = lowest_on_rim(axis, normal)
         center = world_place(body, place_in(model.points, q, body, c.feature_point[rim, 0]))
@@ -115,4 +118,6 @@ def detect_pass(
         return nodes_over_plane(model, q, margin, table, c.node_start[a], c.node_start[a + 1], law, b, n)
     if c.feature_kind[first] == POINT:
         return nodes_on_sphere(model, q, margin, table, a, b, law, n)
+    if c.feature_kind[first] == RIM:
+        return nodes_on_cylinder(model, q, margin, table, a, b, law, n)
     return nodes_on_features(model, q, margin, table, a, b, law, mode, n)

@@ -7,7 +7,9 @@ t2 = n x t1):
 * NODE_EDGE: node P on i, edge a, b of radius R on j (R = 0: sharp, else the side of a capsule or cylinder);
 * NODE_POINT: node P on i, vertex or sphere o of radius R on j (R < 0: touched from inside);
 * EDGE_EDGE: edge a, b on i and edge c, d on j;
-* RIM_FACET: rim of a disc with centre o and a point on its axis on i, plane through a, b, c on j.
+* RIM_FACET: rim of a disc with centre o and a point on its axis on i, plane through a, b, c on j;
+* NODE_SIDE, NODE_CAP, NODE_RIM: node P on i, cylinder from o along its axis to x on j: its side, the flat of one of its
+  ends, or the circle around that.
 """
 
 from __future__ import annotations
@@ -25,9 +27,12 @@ from lcpflex.jit.struct import allocate, array, struct
 
 __all__ = [
     "EDGE_EDGE",
+    "NODE_CAP",
     "NODE_EDGE",
     "NODE_FACET",
     "NODE_POINT",
+    "NODE_RIM",
+    "NODE_SIDE",
     "RIM_FACET",
     "SpatialContactTable",
     "copy_entry",
@@ -35,7 +40,7 @@ __all__ = [
     "spatial_contact_table",
 ]
 
-NODE_FACET, NODE_EDGE, NODE_POINT, EDGE_EDGE, RIM_FACET = range(5)
+NODE_FACET, NODE_EDGE, NODE_POINT, EDGE_EDGE, RIM_FACET, NODE_SIDE, NODE_CAP, NODE_RIM = range(8)
 
 
 @struct
@@ -47,8 +52,10 @@ class SpatialContactTable:
     kind: IntArray = array("contacts")
     node: IntArray = array("contacts")  # material point P, or the first one of i
     point: IntArray = array("contacts", 5)  # material points: P, or a, b, or o and on the axis; then those of j
-    radius: FloatArray = array("contacts", 3)  # of the node (or edge) of i, of the feature of j, of a rim [m]
-    sense: FloatArray = array("contacts")  # of the normal: of spheres sign of R, of two edges that of e x f; else +1
+    # of the node (or edge) of i, of the feature of j, of a rim or cylinder [m]
+    radius: FloatArray = array("contacts", 3)
+    # of the normal: of spheres sign of R, of two edges that of e x f; of the end of a cylinder +1 at x; else +1
+    sense: FloatArray = array("contacts")
     facing: FloatArray = array("contacts")  # of nodes: least cosine of their outward normal and that of j, reversed
     foot: FloatArray = array("contacts", 2)  # xi^1, xi^2 in a facet; s on an edge; s and t of two edges
     body: IntArray = array("contacts", 2)  # i, j; -1: ground

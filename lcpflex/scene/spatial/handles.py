@@ -87,7 +87,7 @@ class SpatialPlaced:
             held = "the ground" if self.source is None else f"{shown(self.name)} with the shape {self._shape_name()}"
             raise ModelError(
                 f"surface: {held} has none that can be touched, expected a Sphere, Cuboid, Capsule, ConvexHull or "
-                "mesh; make one with sphere, capsule, rim, node, hole or plane"
+                "mesh; make one with sphere, capsule, cylinder, rim, node, hole or plane"
             )
         if len(shape.triangles):
             check_closed(f"surface of {shown(self.name)}", np.array([p.place for p in shape.points]), shape.triangles)
@@ -108,6 +108,19 @@ class SpatialPlaced:
             raise ModelError(f"second: {shown(second)} was given, expected another place than that of first")
         shape = SpatialSurface(SpatialKind.CAPSULE, ends, positive("radius", radius))
         return self._made("capsule", shape, partial(_again, "capsule", first, (second, radius)))
+
+    def cylinder(self, center: Place, axis: npt.ArrayLike, radius: float, length: float) -> PlacedSurface:
+        """A solid cylinder of ``radius`` and ``length`` > 0 [m] about ``axis`` (3,), its middle at ``center``.
+
+        It is carried rigidly by the material at ``center``. Spheres and nodes touch its side, its flat ends and their
+        rims, planes its rims.
+        """
+        direction = _direction("axis", axis)
+        place = self._located(center, "center")
+        if not place.turns:
+            raise ModelError("center: a cylinder turns with its centre, expected a point whose rotation is known")
+        made = surfaces.cylinder(place, direction, positive("radius", radius), positive("length", length))
+        return self._made("cylinder", made, partial(_again, "cylinder", center, (direction, radius, length)))
 
     def rim(self, center: Place, axis: npt.ArrayLike, radius: float) -> PlacedSurface:
         """The rim of a disc: a circle of ``radius`` > 0 [m] about ``axis`` (3,) through ``center``. It touches planes.

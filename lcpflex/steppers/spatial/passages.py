@@ -6,7 +6,15 @@ import math
 
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.contact.spatial.pairs import foot_margin, refresh
-from lcpflex.contact.spatial.table import EDGE_EDGE, NODE_FACET, RIM_FACET, SpatialContactTable
+from lcpflex.contact.spatial.table import (
+    EDGE_EDGE,
+    NODE_CAP,
+    NODE_FACET,
+    NODE_RIM,
+    NODE_SIDE,
+    RIM_FACET,
+    SpatialContactTable,
+)
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import compose, conjugate, exponential, logarithm, unit
 from lcpflex.model.spatial import N_PLACE, SpatialModel
@@ -38,21 +46,23 @@ def on_way(model: SpatialModel, before: FloatArray, after: FloatArray, share: fl
 def depth_of_entry(model: SpatialModel, table: SpatialContactTable, k: int) -> float:
     """How deep i of entry k may be below the feature of j before it belongs to the other side [m].
 
-    No deeper than to the centre of a sphere, or the axis of an edge that is round. Of two edges, and of a rim, nodes
-    and facets beside them tell.
+    No deeper than to the centre of a sphere, or the axis of an edge that is round. Of two edges, and of a rim over a
+    plane, nodes and facets beside them tell. No node is below the rim of a cylinder.
     """
     if table.kind[k] == EDGE_EDGE or table.kind[k] == RIM_FACET:
         return math.inf
+    if table.kind[k] == NODE_RIM:
+        return 0.0
     reach = model.contacts.feature_depth[table.key[k] % len(model.contacts.feature_kind)]
-    if table.kind[k] != NODE_FACET and table.radius[k, 1] >= 0.0:
+    if table.kind[k] != NODE_FACET and table.kind[k] < NODE_SIDE and table.radius[k, 1] >= 0.0:
         reach = min(reach, table.radius[k, 1])
     return reach
 
 
 @kernel
 def is_wall(table: SpatialContactTable, k: int) -> bool:
-    """Whether the feature of entry k is passed in a straight line through it only: a facet, or the wall of a hole."""
-    return table.kind[k] == NODE_FACET or table.radius[k, 1] < 0.0
+    """Whether the feature of entry k is passed in a straight line through it only: it is flat, or a hole's wall."""
+    return table.kind[k] in (NODE_FACET, NODE_CAP) or table.radius[k, 1] < 0.0
 
 
 @kernel
@@ -83,7 +93,8 @@ def crosses(
             refresh(model, q, table, k)
             if foot_margin(model, q, table, k) >= -SPAN_TOLERANCE:
                 return True
-        deepest = min(deepest, f)
+        if table.kind[k] < NODE_SIDE or foot_margin(model, q, table, k) >= -SPAN_TOLERANCE:  # else beside a cylinder
+            deepest = min(deepest, f)
     if is_wall(table, k):
         return False
     if free:

@@ -97,6 +97,11 @@ def spatial_parts_faces() -> list[Face]:
             placed().capsule,
             lambda: {"first": (0.0, 0.0, 0.0), "second": (0.0, 0.0, 1.0), "radius": 0.1},
         ),
+        Face(
+            "SpatialPlaced.cylinder",
+            placed().cylinder,
+            lambda: {"center": (0.0, 0.0, 0.0), "axis": axis, "radius": 0.1, "length": 0.2},
+        ),
         Face("SpatialPlaced.node", placed().node, lambda: {"point": (0.0, 0.0, 0.0)}),
         told("momentum", body="ball"),
         told("orientation", body="ball"),

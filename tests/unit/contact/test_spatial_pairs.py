@@ -9,7 +9,16 @@ import numpy as np
 import pytest
 
 from lcpflex.contact.spatial.pairs import contact_point, gap_rate
-from lcpflex.contact.spatial.table import EDGE_EDGE, NODE_EDGE, NODE_FACET, NODE_POINT, RIM_FACET
+from lcpflex.contact.spatial.table import (
+    EDGE_EDGE,
+    NODE_CAP,
+    NODE_EDGE,
+    NODE_FACET,
+    NODE_POINT,
+    NODE_RIM,
+    NODE_SIDE,
+    RIM_FACET,
+)
 from tests.space import derivatives
 from tests.spatial_pairs import Pair, pair
 
@@ -27,6 +36,12 @@ KINDS = {
     "capsules": (EDGE_EDGE, (0.3, 0.2, 0.0), -1.0),
     "disc": (RIM_FACET, (0.0, 0.0, 0.7), 1.0),
     "torus": (RIM_FACET, (0.2, 0.0, 0.7), 1.0),
+    "node by side": (NODE_SIDE, (0.0, 0.0, 0.7), 1.0),
+    "ball by side": (NODE_SIDE, (0.3, 0.0, 0.7), 1.0),
+    "node on cap": (NODE_CAP, (0.0, 0.0, 0.7), 1.0),
+    "ball under cap": (NODE_CAP, (0.3, 0.0, 0.7), -1.0),
+    "node by rim": (NODE_RIM, (0.0, 0.0, 0.2), -1.0),
+    "ball by rim": (NODE_RIM, (0.3, 0.0, 0.2), 1.0),
 }
 STEP = 1e-3
 CLOSE = {"rtol": 1e-8, "atol": 1e-8}

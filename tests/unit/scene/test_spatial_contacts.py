@@ -38,6 +38,18 @@ def test_what_is_declared_is_compiled_by_its_names_and_laws() -> None:
     np.testing.assert_allclose(np.cross(points[1] - points[0], points[2] - points[0]), [0.0, 0.0, 1.0], atol=1e-15)
 
 
+def log(body: Any) -> Any:
+    return body.cylinder((0.0, 0.0, 0.0), UP, 0.1, 0.3)
+
+
+def rod(body: Any) -> Any:
+    return body.capsule((0.0, 0.0, 0.0), UP, 0.1)
+
+
+def box_of(scene: lf.SpatialScene) -> Any:
+    return scene.add(lf.Cuboid(1.0, 1.0, 1.0, mass=1.0)).surface()
+
+
 @pytest.mark.parametrize(
     ("declare", "text"),
     [
@@ -60,6 +72,18 @@ def test_what_is_declared_is_compiled_by_its_names_and_laws() -> None:
         (lambda s, a, b: a.rim(b.point("center"), UP, 1.0), "center: .*expected a point of 'low'"),
         (lambda s, a, b: s.contact(a.rim("center", UP, 1.0), b.surface()), "rim with one of: plane"),
         (lambda s, a, b: s.contact(a.rim("center", UP, 1.0), b.rim("center", UP, 1.0)), "rim with one of: plane"),
+        (lambda s, a, b: s.contact(a.rim("center", UP, 1.0), log(b)), "rim.*cylinder.*with one of: plane$"),
+        (lambda s, a, b: s.contact(log(a), log(b)), "a cylinder with one of: node, sphere, plane$"),
+        (
+            lambda s, a, b: s.contact(log(a), box_of(s)),
+            "convex polyhedron.*a cylinder with one of: node, sphere, plane$",
+        ),
+        (lambda s, a, b: s.contact(rod(a), log(b)), "capsule.*cylinder.*which cannot touch each other"),
+        (lambda s, a, b: s.contact(log(a), b.surface(), node_side=log(a)), "node_side"),
+        (lambda s, a, b: a.cylinder((0, 0, 0), (0, 0, 0), 1.0, 1.0), "axis: .*not all 0"),
+        (lambda s, a, b: a.cylinder((0, 0, 0), UP, 0.0, 1.0), "radius: 0"),
+        (lambda s, a, b: a.cylinder((0, 0, 0), UP, 1.0, -1.0), "length: -1"),
+        (lambda s, a, b: a.cylinder((0, 0, float("nan")), UP, 1.0, 1.0), "center"),
         (lambda s, a, b: a.capsule((0, 0, 0), (0, 0, 0), 1.0), "second: .*another place than that of first"),
         (lambda s, a, b: a.capsule((0, 0, 0), (0, 0, 1), 0.0), "radius: 0"),
         (lambda s, a, b: a.node(b.point("center")), "expected a point of 'low'"),

@@ -1,9 +1,9 @@
 """How far the foot of an entry is inside its features: what ends where a node slides off a facet or an edge.
 
 Detection owns places to a thickness, of the extent of a surface, that stands for rounding. Margins are measured as it
-does: distances from the sides of a facet, the ends of an edge and the planes beside edges and vertices, in extents of
-the surface; of two edges, how far from their ends they cross, in their lengths, and how far the normal is inside their
-wedges [rad]. They are 0 where detection finds the pair no more, to that thickness.
+does: distances from the sides of a facet, the ends of an edge, the planes beside edges and vertices, and other parts
+of a cylinder, in extents of the surface; of two edges, how far from their ends they cross, in their lengths, and how
+far the normal is inside their wedges [rad]. They are 0 where detection finds the pair no more, to that thickness.
 """
 
 from __future__ import annotations
@@ -11,11 +11,12 @@ from __future__ import annotations
 import math
 
 from lcpflex.contact.spatial.kinds import EDGE, FACET, PLANE
+from lcpflex.contact.spatial.narrow_phase.cylinder import cylinder_margin
 from lcpflex.contact.spatial.narrow_phase.edges import END, TILT
 from lcpflex.contact.spatial.narrow_phase.facet import plane_of
 from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, rim_axis
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, line_between, place_in, seen_from, world_place
-from lcpflex.contact.spatial.table import EDGE_EDGE, RIM_FACET, SpatialContactTable
+from lcpflex.contact.spatial.table import EDGE_EDGE, NODE_SIDE, RIM_FACET, SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector
 from lcpflex.kinematics.spatial.vectors import apart_from, dot, norm, row_vector, scaled, turned, turned_back
@@ -119,6 +120,8 @@ def margin_on_j(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: S
     if kind == PLANE:
         return math.inf
     extent = c.surface_extent[surface_of(c.feature_start, f)]
+    if table.kind[k] >= NODE_SIDE:
+        return cylinder_margin(model.points, q, i, j, table, k) / extent
     if kind == FACET:
         return in_facet(model, q, j, f, table.foot[k, 0], table.foot[k, 1]) / extent
     place = seen_from(j, world_place(i, place_in(model.points, q, i, table.point[k, 0])))

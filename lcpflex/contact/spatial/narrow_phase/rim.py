@@ -18,10 +18,20 @@ from lcpflex.kinematics.spatial.rotations import Vector, cross, exponential, rot
 from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, scaled, turned
 from lcpflex.model.spatial import SpatialPoints
 
-__all__ = ["FLAT", "lowest_on_rim", "refresh_rim", "rim_axis", "rim_rate"]
+__all__ = ["FLAT", "lowest_on_rim", "refresh_rim", "rim_axis", "rim_rate", "turned_by_material"]
 
 FLAT = 1e-7  # sine of the tilt below which a disc lies flat: rounding tells where its lowest point is
 LEVEL = 1e-12  # and below which it has none
+
+
+@kernel
+def turned_by_material(points: SpatialPoints, q: FloatArray, frame: Frame, o: int, a: Vector) -> Vector:
+    """A direction a of the undeformed body, carried by the material at o, world axes."""
+    if not is_rigid(points, o):
+        psi = modal_sum(points, points.psi, o, q, frame.modal)
+        w, i, j, k = exponential(psi[0], psi[1], psi[2])
+        a = turned(rotation_matrix(w, i, j, k), a)
+    return turned(frame.A, a)
 
 
 @kernel
@@ -32,12 +42,7 @@ def rim_axis(points: SpatialPoints, q: FloatArray, frame: Frame, o: int, x: int)
         points.place[x, 1] - points.place[o, 1],
         points.place[x, 2] - points.place[o, 2],
     )
-    a = scaled(1.0 / norm(a), a)
-    if not is_rigid(points, o):
-        psi = modal_sum(points, points.psi, o, q, frame.modal)
-        w, i, j, k = exponential(psi[0], psi[1], psi[2])
-        a = turned(rotation_matrix(w, i, j, k), a)
-    return turned(frame.A, a)
+    return turned_by_material(points, q, frame, o, scaled(1.0 / norm(a), a))
 
 
 @kernel

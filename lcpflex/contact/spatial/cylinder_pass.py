@@ -1,0 +1,63 @@
+"""What the nodes of one surface of space have with a cylinder of another: which part of it a node belongs to.
+
+Beyond an end and beside the side it is the rim, the circle around that end; else the side or an end, whichever the node
+is farther outside of, to a thickness that stands for rounding. Below the surface that is the nearest part, down to
+where another one is nearer: every place has one owner, and the gap is the distance to the cylinder, without a jump.
+"""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.contact.spatial.entries import load_by_cylinder
+from lcpflex.contact.spatial.narrow_phase.cylinder import length_between, radial
+from lcpflex.contact.spatial.narrow_phase.rim import rim_axis
+from lcpflex.contact.spatial.narrow_phase.sides import frame_of, place_in, world_place
+from lcpflex.contact.spatial.node_pass import THIN
+from lcpflex.contact.spatial.pairs import locate
+from lcpflex.contact.spatial.table import NODE_CAP, NODE_RIM, NODE_SIDE, SpatialContactTable
+from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.spatial.vectors import apart_from
+from lcpflex.model.spatial import SpatialModel
+
+__all__ = ["FEATURES", "nodes_on_cylinder"]
+
+FEATURES = 5  # of a cylinder: two rims, the side, two ends
+SIDE_OF, ENDS_OF = 2, 3  # where they begin
+
+
+@kernel
+def part_of(z: float, r: float, length: float, radius: float, thin: float) -> tuple[int, int, float]:
+    """Kind of pair, number of the feature, and distance [m] of a place z along and r from the axis of a cylinder."""
+    end = 1 if z + z >= length else 0
+    above = z - length if end == 1 else -z
+    beside = r - radius
+    if above > thin and beside > thin:
+        return NODE_RIM, end, math.hypot(above, beside)
+    if above > beside:
+        return NODE_CAP, ENDS_OF + end, above
+    return NODE_SIDE, SIDE_OF, beside
+
+
+@kernel
+def nodes_on_cylinder(
+    model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, n: int
+) -> int:
+    """Contacts of the nodes of surface a with the cylinder b, from entry n on; returns the new count."""
+    c = model.contacts
+    first = c.feature_start[b]
+    o, x = c.feature_point[first, 0], c.feature_point[first, 1]
+    frame, of_nodes = frame_of(model.bodies, q, c.surface_body[b]), frame_of(model.bodies, q, c.surface_body[a])
+    start = world_place(frame, place_in(model.points, q, frame, o))
+    axis = rim_axis(model.points, q, frame, o, x)
+    length, thin = length_between(model.points, o, x), THIN * c.surface_extent[b]
+    for node in range(c.node_start[a], c.node_start[a + 1]):
+        place = world_place(of_nodes, place_in(model.points, q, of_nodes, c.node_point[node]))
+        z, _, r = radial(axis, apart_from(place, start))
+        kind, part, distance = part_of(z, r, length, c.feature_radius[first], thin)
+        if distance - c.node_radius[node] <= margin:
+            if n < len(table.key):
+                load_by_cylinder(model, table, n, law, kind, node, first, part)
+                locate(model, q, table, n)
+            n += 1
+    return n
