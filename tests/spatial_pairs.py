@@ -11,6 +11,8 @@ import numpy.typing as npt
 from lcpflex.contact.spatial.pairs import contact_bias, contact_rows, locate, refresh
 from lcpflex.contact.spatial.table import (
     EDGE_EDGE,
+    EDGE_RIM,
+    EDGE_SIDE,
     NODE_CAP,
     NODE_EDGE,
     NODE_FACET,
@@ -30,7 +32,9 @@ from tests.space import Moving, model_of
 __all__ = ["ENDS", "Pair", "pair"]
 
 ENDS = {NODE_FACET: (1, 3), NODE_EDGE: (1, 2), NODE_POINT: (1, 1), EDGE_EDGE: (2, 2), RIM_FACET: (2, 3)}
-ENDS |= {NODE_SIDE: (1, 2), NODE_CAP: (1, 2), NODE_RIM: (1, 2)}
+ENDS |= {NODE_SIDE: (1, 2), NODE_CAP: (1, 2), NODE_RIM: (1, 2), EDGE_SIDE: (2, 2), EDGE_RIM: (2, 2)}
+
+EDGES = (EDGE_SIDE, EDGE_RIM)
 
 
 @dataclass(slots=True)
@@ -90,7 +94,11 @@ class Pair:
         if kind == NODE_POINT:
             sides[1] = (point[1:2], [1.0], sides[1][2])
         elif kind in (NODE_SIDE, NODE_CAP, NODE_RIM):
-            sides[1] = (point[1:2], [1.0], self.on_cylinder(q))
+            sides[1] = (point[1:2], [1.0], self.on_cylinder(q, self.place(q, int(point[0]))))
+        elif kind in (EDGE_SIDE, EDGE_RIM):
+            sides[0] = (point[:2], [1.0 - foot[0], foot[0]], sides[0][2])
+            nearest = (1.0 - foot[0]) * self.place(q, int(point[0])) + foot[0] * self.place(q, int(point[1]))
+            sides[1] = (point[2:3], [1.0], self.on_cylinder(q, nearest))
         elif kind == NODE_EDGE:
             sides[1] = (point[1:3], [1.0 - foot[0], foot[0]], sides[1][2])
         elif kind == EDGE_EDGE:
@@ -124,17 +132,22 @@ class Pair:
             lever = lever - self.table.radius[0, 2] * m / np.linalg.norm(m)
         return np.asarray(lever)
 
-    def on_cylinder(self, q: FloatArray) -> FloatArray:
-        """From the start of a cylinder to the place of its side, end or rim that is nearest to the node."""
-        points, (o, x), R = self.moving.model.points, self.table.point[0, 1:3], self.table.radius[0, 2]
+    def on_cylinder(self, q: FloatArray, there: FloatArray) -> FloatArray:
+        """From the start of a cylinder to the place of its side, end or rim that is nearest to another place."""
+        kind, R = int(self.table.kind[0]), self.table.radius[0, 2]
+        points, (o, x) = (
+            self.moving.model.points,
+            self.table.point[0, 2:4] if kind in EDGES else self.table.point[0, 1:3],
+        )
         axis = points.place[x] - points.place[o]
         a = self.turned(q, o) @ axis / np.linalg.norm(axis)
-        y = self.place(q, int(self.table.point[0, 0])) - self.place(q, o)
+        y = there - self.place(q, o)
         z, across = a @ y, y - (a @ y) * a
         end = float(np.linalg.norm(axis)) if self.table.sense[0] > 0.0 else 0.0
         around = R * across / np.linalg.norm(across)
         nearest = {NODE_SIDE: z * a + around, NODE_CAP: end * a + across, NODE_RIM: end * a + around}
-        return np.asarray(nearest[int(self.table.kind[0])])
+        nearest |= {EDGE_SIDE: z * a + R * self.table.normal[0], EDGE_RIM: nearest[NODE_RIM]}  # whatever its sense
+        return np.asarray(nearest[kind])
 
     def place(self, q: FloatArray, p: int) -> FloatArray:
         return np.array(point_place(self.moving.model.bodies, self.moving.model.points, q, p))

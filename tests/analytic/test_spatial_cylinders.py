@@ -160,3 +160,61 @@ def test_a_ball_stays_balanced_on_the_end_of_a_column_and_carries_its_weight(ste
     result = lf.simulate(scene, 0.3, stepper)
     np.testing.assert_allclose(result.q[:, -7:-4], np.tile([place, 0.0, 0.1], (len(result.times), 1)), atol=1e-12)
     assert result.contact("contact").normal_force[-1] == pytest.approx(2.0 * G, abs=1e-8)
+
+
+ROD, HALF = 0.05, 0.4  # radius of a capsule and half of the length between its ends
+LYING, UPRIGHT = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+
+
+def rod_on(axis: tuple[float, float, float], start: Any = (0.0, 0.0), velocity: Any = (0.0, 0.0, 0.0), mu: float = 0.4):
+    """A capsule along x that lies on a cylinder, whose highest place is at z = 0."""
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, -G))
+    height = 0.5 * HEIGHT if axis == UPRIGHT else RING
+    solid = scene.ground.cylinder((0.0, 0.0, -height), axis, RING, HEIGHT)
+    rod = scene.add(
+        lf.Capsule(ROD, 2.0 * HALF, mass=2.0),
+        position=(*start, ROD),
+        orientation=Rotation.from_euler("y", 90.0, degrees=True),
+        velocity=velocity,
+    )
+    scene.contact(rod.surface(), solid, friction=mu, name="contact")
+    return scene
+
+
+@pytest.mark.parametrize("stepper", [lf.EventDriven(), lf.MoreauJean(1e-3), lf.GeneralizedAlpha(1e-3)])
+@pytest.mark.parametrize(
+    ("axis", "start"),
+    [(UPRIGHT, (0.0, 0.0)), (UPRIGHT, (0.05, 0.1)), (LYING, (0.0, 0.0)), ((1.0, 0.0, 0.0), (0.05, 0.0))],
+)
+def test_a_capsule_rests_on_an_end_across_and_along_a_cylinder(stepper: Any, axis: Any, start: Any) -> None:
+    result = lf.simulate(rod_on(axis, start), 0.3, stepper)
+    np.testing.assert_allclose(result.q, np.tile(result.q[0], (len(result.times), 1)), atol=1e-14)
+    assert result.contact("contact").normal_force[-1] == pytest.approx(2.0 * G, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("axis", "start", "velocity", "way"),
+    [
+        (UPRIGHT, (0.0, 0.07), (0.8, 0.0, 0.0), math.sqrt(RING**2 - 0.07**2)),  # over an end, to the rim
+        (LYING, (0.0, 0.0), (0.0, 0.3, 0.0), 0.5 * HEIGHT),  # across the side, over the rim
+        ((1.0, 0.0, 0.0), (0.0, 0.0), (0.8, 0.0, 0.0), 0.5 * HEIGHT),  # along the side, until that ends
+    ],
+)
+def test_a_capsule_slides_off_a_smooth_cylinder_with_all_of_its_energy(
+    axis: Any, start: Any, velocity: Any, way: float
+) -> None:
+    """Its mass centre goes straight on as long as there is something below it; then all steppers agree."""
+    exact = lf.simulate(rod_on(axis, start, velocity, 0.0), 1.0, lf.EventDriven(), record=0.01)
+    straight = exact.times < 0.99 * way / max(velocity)
+    gone = np.outer(exact.times[straight], velocity)
+    np.testing.assert_allclose(exact.q[straight, :3] - exact.q[0, :3], gone, atol=1e-9)
+    assert exact.energies.relative_remainder < 5e-9
+    assert abs(exact.energies.impact[-1]) < 1e-9
+    assert times(exact, "lift-off")
+    for scheme in (lf.MoreauJean, lf.GeneralizedAlpha):
+        errors = []
+        for step in (1e-3, 2.5e-4):
+            result = lf.simulate(rod_on(axis, start, velocity, 0.0), 1.0, scheme(step))
+            errors.append(float(np.abs(result.q[-1, :3] - exact.q[-1, :3]).max()))
+        assert errors[0] < 5e-5
+        assert errors[1] < 2e-5

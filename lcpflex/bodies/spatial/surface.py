@@ -22,6 +22,7 @@ __all__ = [
     "ALL_FEATURES",
     "CAPSULE",
     "CODES",
+    "CYLINDER",
     "EDGED",
     "EDGES",
     "NO_POINTS",
@@ -60,7 +61,7 @@ SOLID = (SpatialKind.CAPSULE, SpatialKind.POLYHEDRON, SpatialKind.MESH, SpatialK
 TOUCHED = {  # what the nodes of a surface may touch
     SpatialKind.NODE: (SpatialKind.SPHERE, SpatialKind.CYLINDER, *SOLID),
     SpatialKind.SPHERE: (SpatialKind.SPHERE, SpatialKind.CYLINDER, *SOLID),
-    SpatialKind.CAPSULE: SOLID,
+    SpatialKind.CAPSULE: (SpatialKind.CYLINDER, *SOLID),
     SpatialKind.CYLINDER: (SpatialKind.PLANE,),
     SpatialKind.RIM: (SpatialKind.PLANE,),
     SpatialKind.POLYHEDRON: SOLID,
@@ -69,7 +70,8 @@ TOUCHED = {  # what the nodes of a surface may touch
 TOUCHES = np.array([[b in TOUCHED.get(a, ()) for b in SpatialKind] for a in SpatialKind])  # the same by their codes
 WITH_EDGES = (SpatialKind.CAPSULE, SpatialKind.POLYHEDRON, SpatialKind.MESH)
 EDGED = tuple(kind in WITH_EDGES for kind in SpatialKind)  # by their codes, those that touch each other with edges
-CAPSULE = CODES[SpatialKind.CAPSULE]
+CAPSULE, CYLINDER = CODES[SpatialKind.CAPSULE], CODES[SpatialKind.CYLINDER]
+ON_CYLINDER = (SpatialKind.CAPSULE, SpatialKind.CYLINDER)
 RIMMED = (SpatialKind.CYLINDER, SpatialKind.RIM)  # those that touch with circles
 RIM_POINTS = 8  # of each rim, on which a cylinder or disc stands
 # what a pass looks at: nodes against all, against all but points; edges; nodes against all. Of the second and the last,
@@ -129,7 +131,8 @@ class SpatialSurface:
 
         node_side: the one that was chosen.
         """
-        if node_side is not None:
+        capsule = (self.kind, other.kind) in (ON_CYLINDER, ON_CYLINDER[::-1])  # its side touches, too, in any case
+        if node_side is not None and not capsule:
             return (Pass(node_side, 1 - node_side),)
         codes = CODES[self.kind], CODES[other.kind]
         return passes_of(codes, self.deforms or other.deforms, (len(self.points), len(other.points)))
@@ -145,6 +148,8 @@ def passes_of(kinds: tuple[int, int], deform: bool, points: tuple[int, int]) -> 
     other = 1 - first
     if not TOUCHES[kinds[first], kinds[other]]:
         return (Pass(other, first),)
+    if kinds[first] == CAPSULE and kinds[other] == CYLINDER:
+        return Pass(first, other), Pass(first, other, EDGES)
     if not (TOUCHES[kinds[other], kinds[first]] and EDGED[kinds[0]] and EDGED[kinds[1]]):
         return (Pass(first, other),)
     if deform:

@@ -5,11 +5,11 @@ The key is (what touches of surface a, feature of surface b) as one number: node
 
 from __future__ import annotations
 
-from lcpflex.contact.spatial.table import EDGE_EDGE, RIM_FACET, SpatialContactTable
+from lcpflex.contact.spatial.table import EDGE_EDGE, EDGE_RIM, EDGE_SIDE, RIM_FACET, SpatialContactTable
 from lcpflex.jit.kernel import kernel
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["load_by_cylinder", "load_edges", "load_node", "load_rim"]
+__all__ = ["load_by_cylinder", "load_edge_by_rim", "load_edge_by_side", "load_edges", "load_node", "load_rim"]
 
 
 @kernel
@@ -88,3 +88,31 @@ def load_by_cylinder(
     table.radius[k, 0] = c.node_radius[node]
     table.radius[k, 2] = c.feature_radius[first]
     table.sense[k] = -1.0 if part in (0, 3) else 1.0
+
+
+@kernel
+def load_edge_by_side(
+    model: SpatialModel, table: SpatialContactTable, k: int, law: int, e: int, side: int, sense: float
+) -> None:
+    """Entry k, of an edge with the side of a cylinder; sense: of e x a as the normal."""
+    load_edges(model, table, k, law, e, side, sense)
+    table.kind[k] = EDGE_SIDE
+    table.radius[k, 1] = 0.0
+    table.radius[k, 2] = model.contacts.feature_radius[side]
+
+
+@kernel
+def load_edge_by_rim(
+    model: SpatialModel, table: SpatialContactTable, k: int, law: int, e: int, first: int, end: int, half: float
+) -> None:
+    """Entry k, of an edge with a rim of the cylinder whose features begin at ``first``, at its end 0 or 1.
+
+    half: of the circle, +1 or -1; the other one has the key of the flat end there.
+    """
+    load_edges(model, table, k, law, e, first + end if half > 0.0 else first + end + 3, -1.0 if end == 0 else 1.0)
+    table.kind[k] = EDGE_RIM
+    for v in range(2):
+        table.point[k, 2 + v] = model.contacts.feature_point[first, v]
+    table.radius[k, 1] = 0.0
+    table.radius[k, 2] = model.contacts.feature_radius[first]
+    table.foot[k, 1] = half

@@ -21,7 +21,9 @@ from lcpflex.contact.spatial.narrow_phase.cylinder import (
     cylinder_lever_rate,
     cylinder_turning,
     refresh_cylinder,
+    start_of,
 )
+from lcpflex.contact.spatial.narrow_phase.cylinder_edges import edge_by_cylinder_turning, refresh_edge_by_cylinder
 from lcpflex.contact.spatial.narrow_phase.edge import edge_turning, refresh_edge
 from lcpflex.contact.spatial.narrow_phase.edges import edges_turning, refresh_edges
 from lcpflex.contact.spatial.narrow_phase.facet import plane_slip, plane_turn, refresh_facet, refresh_over_ground
@@ -37,6 +39,7 @@ from lcpflex.contact.spatial.narrow_phase.sides import (
     frame_of,
     is_rigid,
     lay_side,
+    line_between,
     mean_motion,
     mean_place,
     mean_spin,
@@ -49,6 +52,7 @@ from lcpflex.contact.spatial.narrow_phase.sides import (
 from lcpflex.contact.spatial.narrow_phase.turning import NO_TURN, Turning
 from lcpflex.contact.spatial.table import (
     EDGE_EDGE,
+    EDGE_SIDE,
     NODE_EDGE,
     NODE_FACET,
     NODE_POINT,
@@ -58,7 +62,7 @@ from lcpflex.contact.spatial.table import (
 )
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
-from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, row_vector, scaled
+from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, row_vector, scaled, turned
 from lcpflex.model.spatial import SpatialModel, SpatialPoints
 
 __all__ = [
@@ -100,13 +104,15 @@ def locate(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: in
         refresh_edges(points, q, i, j, table, k)
     elif kind == RIM_FACET:
         refresh_rim(points, q, i, j, table, k)
-    else:
+    elif kind < EDGE_SIDE:
         refresh_cylinder(points, q, i, j, table, k)
+    else:
+        refresh_edge_by_cylinder(points, q, i, j, table, k)
 
 
 @kernel
 def by_cylinder(table: SpatialContactTable, k: int) -> bool:
-    """Whether entry k is that of a node with a part of a cylinder: its kinds are the last ones."""
+    """Whether entry k is that of a node or edge with a part of a cylinder: its kinds are the last ones."""
     return table.kind[k] >= NODE_SIDE
 
 
@@ -114,7 +120,7 @@ def by_cylinder(table: SpatialContactTable, k: int) -> bool:
 def mean_on_i(table: SpatialContactTable, k: int) -> Mean:
     """What of body i touches in entry k: a node, the foot on its edge, or the centre of a rim."""
     p = table.point[k, 0]
-    if table.kind[k] != EDGE_EDGE:
+    if table.kind[k] != EDGE_EDGE and table.kind[k] < EDGE_SIDE:
         return single(p)
     s = table.foot[k, 0]
     return Mean(2, p, table.point[k, 1], p, (1.0 - s, s, 0.0))
@@ -124,8 +130,10 @@ def mean_on_i(table: SpatialContactTable, k: int) -> Mean:
 def mean_on_j(table: SpatialContactTable, k: int) -> Mean:
     """What of body j is touched in entry k: a foot, a vertex, the centre of a sphere, or where a cylinder begins."""
     kind = table.kind[k]
-    if kind == NODE_POINT or by_cylinder(table, k):
+    if kind == NODE_POINT:
         return single(table.point[k, 1])
+    if by_cylinder(table, k):
+        return single(start_of(table, k))
     first = 1 if kind in (NODE_FACET, NODE_EDGE) else 2
     a = table.point[k, first]
     b = table.point[k, first + 1]
@@ -219,7 +227,9 @@ def turning_of(
         return edge_turning(points, q, u, frames[1], motions[1], table, k, n, t, dv)
     if kind == NODE_POINT:
         return point_turning(frames[1], motions[1], table, k, n, t, dv)
-    if by_cylinder(table, k):
+    if kind >= EDGE_SIDE:
+        return edge_by_cylinder_turning(points, q, u, frames, motions, table, k, n, t, dv)
+    if kind >= NODE_SIDE:
         return cylinder_turning(points, q, u, frames, motions, table, k, n, t, dv)
     return edges_turning(points, q, u, frames, motions, table, k, n, t, dv)
 
@@ -249,12 +259,15 @@ def rim_motion(
 @kernel
 def cylinder_motion(
     points: SpatialPoints, q: FloatArray, u: FloatArray, frames: tuple[Frame, Frame], motions: tuple[Motion, Motion],
-    table: SpatialContactTable, k: int, n: Vector, ndot: Vector, dv: Vector,
+    table: SpatialContactTable, k: int, n: Vector, turning: Turning, dv: Vector,
 ) -> tuple[Vector, Vector]:  # fmt: skip
-    """What the lever on a cylinder adds to v and b of body j in entry k; dv: of the node from where it begins."""
-    spin, turn = point_spin(points, q, u, frames[1], motions[1], table.point[k, 1])
+    """What the lever on a cylinder adds to v and b of body j in entry k; dv: of body i from where that begins."""
+    spin, turn = point_spin(points, q, u, frames[1], motions[1], start_of(table, k))
     lever = cylinder_lever(points, q, frames, table, k, n)
-    return lever_motion(spin, turn, lever, cylinder_lever_rate(table, k, n, ndot, dv, spin, lever))
+    if table.kind[k] >= EDGE_SIDE:
+        line = line_between(points, q, frames[0], table.point[k, 0], table.point[k, 1])
+        dv = added(dv, turned(frames[0].A, scaled(turning.slide_i, line)))
+    return lever_motion(spin, turn, lever, cylinder_lever_rate(table, k, n, turning.ndot, dv, spin, lever))
 
 
 @kernel
@@ -304,7 +317,7 @@ def contact_bias(
         more, bias = lever_motion(spin, turn, scaled(-radius, n), scaled(-radius, turning.ndot))
         v, b = added(v, more), added(b, bias)
     if by_cylinder(table, k):
-        more, bias = cylinder_motion(points, q, u, frames, motions, table, k, n, turning.ndot, dv)
+        more, bias = cylinder_motion(points, q, u, frames, motions, table, k, n, turning, dv)
         v, b = apart_from(v, more), apart_from(b, bias)
     radius = radius_of_j(table, k)
     if radius != 0.0 and j >= 0:
@@ -347,7 +360,7 @@ def gap_rate(model: SpatialModel, q: FloatArray, u: FloatArray, table: SpatialCo
         frame, motion = frame_of(bodies, q, j), frame_motion(bodies, u, j)
         rate -= dot(n, mean_velocity(points, q, u, frame, motion, mean_on_j(table, k)))
         if by_cylinder(table, k):
-            spin, _ = point_spin(points, q, u, frame, motion, table.point[k, 1])
+            spin, _ = point_spin(points, q, u, frame, motion, start_of(table, k))
             rate -= dot(n, cross(spin, lever_on_j(model, q, frame, table, k, n)))
     return rate
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from lcpflex.bodies.spatial.surface import EDGES, RIM_POINTS
 from lcpflex.contact.spatial.bounds import plane_vector, set_over_plane
+from lcpflex.contact.spatial.cylinder_edge_pass import edges_on_cylinder
 from lcpflex.contact.spatial.cylinder_pass import nodes_on_cylinder
 from lcpflex.contact.spatial.edge_pass import edges_on_edges
 from lcpflex.contact.spatial.entries import load_node, load_rim
@@ -109,6 +110,8 @@ def detect_pass(
 ) -> int:  # fmt: skip
     """Contacts of the nodes, rims or edges of surface a with the features of b, from entry n on; the new count."""
     c = model.contacts
+    if mode == EDGES and c.feature_kind[c.feature_start[b]] == RIM:
+        return edges_on_cylinder(model, q, margin, table, a, b, law, n)
     if mode == EDGES:
         return edges_on_edges(model, q, margin, table, a, b, law, n)
     first = c.feature_start[b]

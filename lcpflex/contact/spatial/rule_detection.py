@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.bodies.spatial.surface import ALL_FEATURES, CAPSULE, EDGED, EDGES, NO_POINTS, TOUCHES, TWO_SIDED
+from lcpflex.bodies.spatial.surface import (
+    ALL_FEATURES,
+    CAPSULE,
+    CYLINDER,
+    EDGED,
+    EDGES,
+    NO_POINTS,
+    TOUCHES,
+    TWO_SIDED,
+)
 from lcpflex.contact.rule_pairs import MORE_LAWS, is_barred, law_of_pair, new_law
 from lcpflex.contact.spatial.bounds import near_surfaces
 from lcpflex.contact.spatial.broad_phase import may_meet, near_pairs
@@ -43,6 +52,9 @@ def detect_between(
         return n
     if not TOUCHES[kind_a, kind_b]:
         return detect_pass(model, q, margin, table, b, a, law, ALL_FEATURES, n)
+    if kind_a == CAPSULE and kind_b == CYLINDER:
+        n = detect_pass(model, q, margin, table, a, b, law, ALL_FEATURES, n)
+        return detect_pass(model, q, margin, table, a, b, law, EDGES, n)
     if not (TOUCHES[kind_b, kind_a] and EDGED_KINDS[kind_a] and EDGED_KINDS[kind_b]):
         return detect_pass(model, q, margin, table, a, b, law, ALL_FEATURES, n)
     if deforms(model, a) or deforms(model, b):

@@ -9,7 +9,8 @@ t2 = n x t1):
 * EDGE_EDGE: edge a, b on i and edge c, d on j;
 * RIM_FACET: rim of a disc with centre o and a point on its axis on i, plane through a, b, c on j;
 * NODE_SIDE, NODE_CAP, NODE_RIM: node P on i, cylinder from o along its axis to x on j: its side, the flat of one of its
-  ends, or the circle around that.
+  ends, or the circle around that;
+* EDGE_SIDE, EDGE_RIM: edge a, b on i, side or rim of a cylinder from o to x on j.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ from lcpflex.jit.struct import allocate, array, struct
 
 __all__ = [
     "EDGE_EDGE",
+    "EDGE_RIM",
+    "EDGE_SIDE",
     "NODE_CAP",
     "NODE_EDGE",
     "NODE_FACET",
@@ -40,7 +43,7 @@ __all__ = [
     "spatial_contact_table",
 ]
 
-NODE_FACET, NODE_EDGE, NODE_POINT, EDGE_EDGE, RIM_FACET, NODE_SIDE, NODE_CAP, NODE_RIM = range(8)
+NODE_FACET, NODE_EDGE, NODE_POINT, EDGE_EDGE, RIM_FACET, NODE_SIDE, NODE_CAP, NODE_RIM, EDGE_SIDE, EDGE_RIM = range(10)
 
 
 @struct
@@ -57,7 +60,9 @@ class SpatialContactTable:
     # of the normal: of spheres sign of R, of two edges that of e x f; of the end of a cylinder +1 at x; else +1
     sense: FloatArray = array("contacts")
     facing: FloatArray = array("contacts")  # of nodes: least cosine of their outward normal and that of j, reversed
-    foot: FloatArray = array("contacts", 2)  # xi^1, xi^2 in a facet; s on an edge; s and t of two edges
+    foot: FloatArray = array(
+        "contacts", 2
+    )  # xi^1, xi^2 in a facet; s on an edge; s and t of two edges, or s and half a rim
     body: IntArray = array("contacts", 2)  # i, j; -1: ground
     gap: FloatArray = array("contacts")  # [m]
     normal: FloatArray = array("contacts", 3)  # from j to i, world axes

@@ -8,6 +8,7 @@ from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.contact.spatial.pairs import foot_margin, refresh
 from lcpflex.contact.spatial.table import (
     EDGE_EDGE,
+    EDGE_SIDE,
     NODE_CAP,
     NODE_FACET,
     NODE_RIM,
@@ -46,10 +47,10 @@ def on_way(model: SpatialModel, before: FloatArray, after: FloatArray, share: fl
 def depth_of_entry(model: SpatialModel, table: SpatialContactTable, k: int) -> float:
     """How deep i of entry k may be below the feature of j before it belongs to the other side [m].
 
-    No deeper than to the centre of a sphere, or the axis of an edge that is round. Of two edges, and of a rim over a
+    No deeper than to the centre of a sphere, or the axis of an edge that is round. Of edges, and of a rim over a
     plane, nodes and facets beside them tell. No node is below the rim of a cylinder.
     """
-    if table.kind[k] == EDGE_EDGE or table.kind[k] == RIM_FACET:
+    if table.kind[k] == EDGE_EDGE or table.kind[k] == RIM_FACET or table.kind[k] >= EDGE_SIDE:
         return math.inf
     if table.kind[k] == NODE_RIM:
         return 0.0

@@ -18,22 +18,25 @@ The cylinder is touched at r_o + l, l = y - (rho + g) n, which changes at ldot =
 from __future__ import annotations
 
 from lcpflex.contact.spatial.narrow_phase.rim import lowest_on_rim, rim_axis, turned_by_material
-from lcpflex.contact.spatial.narrow_phase.sides import Frame, Motion, place_in, point_spin, world_place
+from lcpflex.contact.spatial.narrow_phase.sides import Frame, Motion, line_between, place_in, point_spin, world_place
 from lcpflex.contact.spatial.narrow_phase.turning import COINCIDENT, Turning, set_entry
-from lcpflex.contact.spatial.table import NODE_CAP, NODE_SIDE, SpatialContactTable
+from lcpflex.contact.spatial.table import EDGE_SIDE, NODE_CAP, NODE_SIDE, SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import NOTHING, added, apart_from, dot, norm, row_vector, scaled
 from lcpflex.model.spatial import SpatialPoints
 
 __all__ = [
+    "away_from_start",
     "cylinder_lever",
     "cylinder_lever_rate",
     "cylinder_margin",
     "cylinder_turning",
+    "end_of",
     "length_between",
     "radial",
     "refresh_cylinder",
+    "start_of",
 ]
 
 
@@ -62,18 +65,31 @@ def outward(a: Vector, p: Vector, r: float, before: Vector) -> Vector:
 
 
 @kernel
+def start_of(table: SpatialContactTable, k: int) -> int:
+    """The material point o of entry k."""
+    return table.point[k, 2] if table.kind[k] >= EDGE_SIDE else table.point[k, 1]
+
+
+@kernel
 def away_from_start(
     points: SpatialPoints, q: FloatArray, frames: tuple[Frame, Frame], table: SpatialContactTable, k: int
 ) -> Vector:
-    """y of entry k [m], world axes."""
-    place = world_place(frames[0], place_in(points, q, frames[0], table.point[k, 0]))
-    return apart_from(place, world_place(frames[1], place_in(points, q, frames[1], table.point[k, 1])))
+    """y of entry k [m], world axes: to the node, or to the foot on the edge of body i."""
+    place = place_in(points, q, frames[0], table.point[k, 0])
+    if table.kind[k] >= EDGE_SIDE:
+        line = line_between(points, q, frames[0], table.point[k, 0], table.point[k, 1])
+        place = added(place, scaled(table.foot[k, 0], line))
+    start = place_in(points, q, frames[1], start_of(table, k))
+    return apart_from(world_place(frames[0], place), world_place(frames[1], start))
 
 
 @kernel
 def end_of(points: SpatialPoints, table: SpatialContactTable, k: int) -> float:
     """z0 of entry k [m]."""
-    return length_between(points, table.point[k, 1], table.point[k, 2]) if table.sense[k] > 0.0 else 0.0
+    if table.sense[k] < 0.0:
+        return 0.0
+    first = 2 if table.kind[k] >= EDGE_SIDE else 1
+    return length_between(points, table.point[k, first], table.point[k, first + 1])
 
 
 @kernel
@@ -147,7 +163,7 @@ def cylinder_lever(
 def cylinder_lever_rate(
     table: SpatialContactTable, k: int, n: Vector, ndot: Vector, dv: Vector, spin: Vector, lever: Vector
 ) -> Vector:
-    """ldot of entry k [m/s], world axes: of what touches, not of the material; dv = v_P - v_o, ``spin``: Omega."""
+    """ldot of entry k [m/s], world axes: of what touches, not of the material; dv = ydot, ``spin``: Omega."""
     closing = dot(n, apart_from(dv, cross(spin, lever)))
     turning = scaled(table.radius[k, 0] + table.gap[k], ndot)
     return apart_from(apart_from(dv, scaled(closing, n)), turning)
