@@ -218,3 +218,29 @@ def test_a_capsule_slides_off_a_smooth_cylinder_with_all_of_its_energy(
             errors.append(float(np.abs(result.q[-1, :3] - exact.q[-1, :3]).max()))
         assert errors[0] < 5e-5
         assert errors[1] < 2e-5
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+@pytest.mark.parametrize("body", [lf.Sphere(0.1, mass=1.0), lf.Capsule(0.1, 0.6, mass=1.0)])
+@pytest.mark.parametrize("aim", [(0.1, 0.05, 0.1), (0.0, 0.25, 0.5), (0.1, 0.1, -0.6), (0.05, -0.2, 0.3)])
+def test_what_strikes_a_free_cylinder_keeps_all_momenta(aim: Any, body: lf.SpatialBody, friction: float) -> None:
+    """From several sides, on a cylinder that spins; with the energy where there is no friction."""
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    log = scene.add(lf.Cylinder(0.3, 1.0, mass=2.0), "log", angular_velocity=(0.4, -0.3, 0.5))
+    way = np.array([1.5, 0.7, -0.4])
+    rod = scene.add(
+        body,
+        "rod",
+        position=np.array(aim) - way,
+        orientation=Rotation.from_rotvec([0.3, 0.9, 0.2]),
+        velocity=2.0 * way,
+        angular_velocity=(0.5, -1.0, 2.0),
+    )
+    scene.contact(log.surface(), rod.surface(), friction=friction, restitution=1.0)
+    result = lf.simulate(scene, 1.0, lf.EventDriven(), record=0.01)
+    assert "impact" in {event.kind for event in result.events}
+    momentum = result.momentum()
+    for values in (momentum.linear, momentum.angular):
+        np.testing.assert_allclose(values, np.tile(values[0], (len(values), 1)), atol=1e-8)
+    if friction == 0.0:
+        np.testing.assert_allclose(result.energies.kinetic, result.energies.kinetic[0], rtol=1e-8)

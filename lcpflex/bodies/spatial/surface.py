@@ -114,7 +114,8 @@ class SpatialSurface:
     def partners(self) -> str:
         """What surfaces it can touch, in words."""
         found = [kind.value for kind in SpatialKind if self.can_touch(SpatialSurface(kind, ()))]
-        return f"a {self.kind.value} with one of: {', '.join(found)}"
+        hint = "; among other bodies, a ConvexHull of its points" if self.kind is SpatialKind.CYLINDER else ""
+        return f"a {self.kind.value} with one of: {', '.join(found)}{hint}"
 
     def node_sides(self) -> str:
         """What it can be the node side of, in words."""
