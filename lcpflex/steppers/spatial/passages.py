@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
-from lcpflex.contact.spatial.pairs import foot_margin, refresh
+from lcpflex.contact.spatial.pairs import foot_margin, node_margin, refresh
 from lcpflex.contact.spatial.table import (
     EDGE_EDGE,
+    EDGE_RIM,
     EDGE_SIDE,
     NODE_CAP,
     NODE_FACET,
@@ -47,12 +48,12 @@ def on_way(model: SpatialModel, before: FloatArray, after: FloatArray, share: fl
 def depth_of_entry(model: SpatialModel, table: SpatialContactTable, k: int) -> float:
     """How deep i of entry k may be below the feature of j before it belongs to the other side [m].
 
-    No deeper than to the centre of a sphere, or the axis of an edge that is round. Of edges, and of a rim over a
-    plane, nodes and facets beside them tell. No node is below the rim of a cylinder.
+    No deeper than to the centre of a sphere, or the axis of an edge that is round. Of two edges, and of a rim over a
+    plane, nodes and facets beside them tell. Nothing is below the rim of a cylinder.
     """
-    if table.kind[k] == EDGE_EDGE or table.kind[k] == RIM_FACET or table.kind[k] >= EDGE_SIDE:
+    if table.kind[k] == EDGE_EDGE or table.kind[k] == RIM_FACET:
         return math.inf
-    if table.kind[k] == NODE_RIM:
+    if table.kind[k] in (NODE_RIM, EDGE_RIM):
         return 0.0
     reach = model.contacts.feature_depth[table.key[k] % len(model.contacts.feature_kind)]
     if table.kind[k] != NODE_FACET and table.kind[k] < NODE_SIDE and table.radius[k, 1] >= 0.0:
@@ -62,8 +63,15 @@ def depth_of_entry(model: SpatialModel, table: SpatialContactTable, k: int) -> f
 
 @kernel
 def is_wall(table: SpatialContactTable, k: int) -> bool:
-    """Whether the feature of entry k is passed in a straight line through it only: it is flat, or a hole's wall."""
-    return table.kind[k] in (NODE_FACET, NODE_CAP) or table.radius[k, 1] < 0.0
+    """Whether entry k tells which side of its feature it is on: of what is flat, a hole's wall, and crossing axes."""
+    return table.kind[k] in (NODE_FACET, NODE_CAP, EDGE_SIDE) or table.radius[k, 1] < 0.0
+
+
+@kernel
+def inside(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> float:
+    """How far the foot of entry k is inside its feature, and on an edge of body i inside that as well."""
+    margin = foot_margin(model, q, table, k)
+    return min(margin, node_margin(model, q, table, k)) if table.kind[k] >= EDGE_SIDE else margin
 
 
 @kernel
@@ -92,14 +100,16 @@ def crosses(
             part = (last + limit) / (last - f)
             on_way(model, before, after, share - (1.0 - part) * (high - low) / LOOKS, q)
             refresh(model, q, table, k)
-            if foot_margin(model, q, table, k) >= -SPAN_TOLERANCE:
+            if inside(model, q, table, k) >= -SPAN_TOLERANCE:
                 return True
-        if table.kind[k] < NODE_SIDE or foot_margin(model, q, table, k) >= -SPAN_TOLERANCE:  # else beside a cylinder
+        if table.kind[k] < NODE_SIDE or inside(model, q, table, k) >= -SPAN_TOLERANCE:  # else beside a cylinder
             deepest = min(deepest, f)
     if is_wall(table, k):
         return False
     if free:
         return deepest < -CLIPPED / WITHIN * limit
+    if table.kind[k] in (NODE_RIM, EDGE_RIM) and deepest < -(1.0 - CLIPPED) * limit:
+        return True  # as deep as that goes: behind a rim, nothing is told of it any more
     on_way(model, before, after, 1.0, q)
     refresh(model, q, table, k)
     return max(-deepest, 0.0) - max(-table.gap[k], 0.0) > CLIPPED * limit

@@ -33,7 +33,7 @@ class Nearest(NamedTuple):
     first: tuple[float, float]
     two: bool
     second: tuple[float, float]  # if there are two
-    apart: float  # G - |B| [m]: > 0 where two halves of the circle are told apart
+    apart: float  # G - max(|A|, |B|) [m]: > 0 about the evolute, where two halves of the circle are told apart
 
 
 @kernel
@@ -74,7 +74,7 @@ def nearest_on_rim(a: Vector, R: float, e: Vector, d: Vector) -> Nearest:
     third, other = math.pow(p, 1.0 / 3.0), math.pow(q, 1.0 / 3.0)
     two = math.pow(third * third + other * other, 1.5) < G
     c2, s2 = root_of(-p, q, G, math.atan2(other, third)) if two else (1.0, 0.0)
-    return Nearest(u, v, (right * c, up * s), two, (left * c2, up * s2), G - q)
+    return Nearest(u, v, (right * c, up * s), two, (left * c2, up * s2), G - max(p, q))
 
 
 @kernel
