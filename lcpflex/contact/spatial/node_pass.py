@@ -113,7 +113,7 @@ def collect(
     what its own facets face alone: a node within a flat face would catch the side of a body that slides over it.
     """
     c = model.contacts
-    facing = c.node_facing[node] if mode == TWO_SIDED or mode == NO_POINTS else 0.0
+    facing = c.node_facing[node] if mode in (TWO_SIDED, NO_POINTS) else 0.0
     near = highest + table.bound[b, 3] + thin
     box = c.box_start[b]
     while box < c.box_start[b + 1]:
