@@ -150,7 +150,7 @@ class SpatialContacts(NamedTuple):
     barred: IntArray
     # (declared contacts, 2) their surfaces as they were declared: forces are those on the body of the first
     law_surface: IntArray = frozen([], np.int64, columns=2)
-    # (nodes,) least cosine between node_normal and the opposite of the normal of what it touches, in passes of two sides
+    # (nodes,) least cosine between node_normal and the reversed normal of what it touches, in passes of two sides
     node_facing: FloatArray = frozen([])
 
 
