@@ -60,9 +60,8 @@ class SpatialContactTable:
     # of the normal: of spheres sign of R, of two edges that of e x f; of the end of a cylinder +1 at x; else +1
     sense: FloatArray = array("contacts")
     facing: FloatArray = array("contacts")  # of nodes: least cosine of their outward normal and that of j, reversed
-    foot: FloatArray = array(
-        "contacts", 2
-    )  # xi^1, xi^2 in a facet; s on an edge; s and t of two edges, or s and half a rim
+    # xi^1, xi^2 in a facet; s on an edge; s and t of two edges; s on an edge, and which half of a rim it meets
+    foot: FloatArray = array("contacts", 2)
     body: IntArray = array("contacts", 2)  # i, j; -1: ground
     gap: FloatArray = array("contacts")  # [m]
     normal: FloatArray = array("contacts", 3)  # from j to i, world axes
