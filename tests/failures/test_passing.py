@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
 from lcpflex.results.summary import doubts
@@ -131,3 +132,40 @@ def test_a_disc_that_vanishes_in_a_soft_floor_is_told_of(loud: Loud) -> None:
     assert result.found_wrong == ()
     assert np.isfinite(result.q).all()
     assert math.isfinite(result.penetration.max())
+
+
+def crossing(kind: str, height: float) -> lf.SpatialScene:
+    """Two rods, bars or a bar and a plate that cross at 10 m/s, far from their ends."""
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    along = Rotation.from_euler("y", 90, degrees=True)
+    held = lf.Capsule(0.002, 0.3, mass=0.01) if kind == "rods" else lf.Cuboid(4e-3, 4e-3, 0.3, mass=0.01)
+    one = scene.add(held, orientation=along)
+    place, down = (0.01, 0.013, height), (0.0, 0.0, -10.0)
+    if kind == "bar and plate":
+        other = scene.add(lf.Cuboid(0.1, 0.1, 5e-4, mass=0.01), position=place, velocity=down)
+    else:
+        turn = Rotation.from_rotvec([0.0, 0.0, 1.2]) * along
+        other = scene.add(held, position=place, orientation=turn, velocity=down)
+    scene.contact(one.surface(), other.surface(), restitution=0.5, name="cross")
+    return scene
+
+
+@pytest.mark.parametrize("stepper", [lf.MoreauJean(step=1e-3), lf.GeneralizedAlpha(step=1e-3)])
+@pytest.mark.parametrize("kind", ["rods", "bars", "bar and plate"])
+def test_what_crosses_edge_on_edge_does_not_pass_unseen(stepper: Any, kind: str) -> None:
+    """No node comes near the other body. At some heights steps meet it, at others they do not, and say so."""
+    missed = 0
+    for height in np.linspace(0.05, 0.0599, 8):
+        result = lf.simulate(crossing(kind, float(height)), 0.02, stepper, progress=False)
+        if not result.contact("cross").impulse[-1, 0] > 0.0:
+            missed += 1
+            assert "the bodies of contact 'cross' passed through each other" in " ".join(doubts(result))
+    assert missed > 0
+
+
+@pytest.mark.parametrize("stepper", [lf.MoreauJean(step=2e-5), lf.GeneralizedAlpha(step=2e-5), lf.EventDriven()])
+@pytest.mark.parametrize("kind", ["rods", "bars", "bar and plate"])
+def test_what_crosses_edge_on_edge_and_is_met_is_trusted(stepper: Any, kind: str) -> None:
+    result = lf.simulate(crossing(kind, 0.05), 0.01, stepper, progress=False)
+    assert result.contact("cross").impulse[-1, 0] > 0.0
+    assert not doubts(result)

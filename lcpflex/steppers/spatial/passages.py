@@ -48,14 +48,19 @@ def on_way(model: SpatialModel, before: FloatArray, after: FloatArray, share: fl
 def depth_of_entry(model: SpatialModel, table: SpatialContactTable, k: int) -> float:
     """How deep i of entry k may be below the feature of j before it belongs to the other side [m].
 
-    No deeper than to the centre of a sphere, or the axis of an edge that is round. Of two edges, and of a rim over a
-    plane, nodes and facets beside them tell. Nothing is below the rim of a cylinder.
+    No deeper than to the centre of a sphere, or the axis of an edge that is round. Of a rim over a plane, nodes and
+    facets beside it tell. Nothing is below the rim of a cylinder.
     """
-    if table.kind[k] == EDGE_EDGE or table.kind[k] == RIM_FACET:
+    if table.kind[k] == RIM_FACET:
         return math.inf
     if table.kind[k] in (NODE_RIM, EDGE_RIM):
         return 0.0
-    reach = model.contacts.feature_depth[table.key[k] % len(model.contacts.feature_kind)]
+    depth, count = model.contacts.feature_depth, len(model.contacts.feature_kind)
+    reach = depth[table.key[k] % count]
+    if table.kind[k] == EDGE_EDGE:
+        if table.radius[k, 0] > 0.0 or table.radius[k, 1] > 0.0:
+            return float(table.radius[k, 1])
+        return min(reach, depth[table.key[k] // count - len(model.contacts.node_point)])
     if table.kind[k] != NODE_FACET and table.kind[k] < NODE_SIDE and table.radius[k, 1] >= 0.0:
         reach = min(reach, table.radius[k, 1])
     return reach
@@ -63,15 +68,19 @@ def depth_of_entry(model: SpatialModel, table: SpatialContactTable, k: int) -> f
 
 @kernel
 def is_wall(table: SpatialContactTable, k: int) -> bool:
-    """Whether entry k tells which side of its feature it is on: of what is flat, a hole's wall, and crossing axes."""
-    return table.kind[k] in (NODE_FACET, NODE_CAP, EDGE_SIDE) or table.radius[k, 1] < 0.0
+    """Whether entry k tells which side of its feature it is on: of what is flat, a hole's wall, and crossing lines.
+
+    The distance of the lines of two edges has a sign, by their sense.
+    """
+    return table.kind[k] in (NODE_FACET, NODE_CAP, EDGE_EDGE, EDGE_SIDE) or table.radius[k, 1] < 0.0
 
 
 @kernel
 def inside(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> float:
     """How far the foot of entry k is inside its feature, and on an edge of body i inside that as well."""
     margin = foot_margin(model, q, table, k)
-    return min(margin, node_margin(model, q, table, k)) if table.kind[k] >= EDGE_SIDE else margin
+    on_edge = table.kind[k] == EDGE_EDGE or table.kind[k] >= EDGE_SIDE
+    return min(margin, node_margin(model, q, table, k)) if on_edge else margin
 
 
 @kernel
