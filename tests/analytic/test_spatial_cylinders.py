@@ -244,3 +244,30 @@ def test_what_strikes_a_free_cylinder_keeps_all_momenta(aim: Any, body: lf.Spati
         np.testing.assert_allclose(values, np.tile(values[0], (len(values), 1)), atol=1e-8)
     if friction == 0.0:
         np.testing.assert_allclose(result.energies.kinetic, result.energies.kinetic[0], rtol=1e-8)
+
+
+def test_a_capsule_rocks_on_a_lying_cylinder() -> None:
+    """It rolls: (J + m (rho^2 + R^2 a^2)) a'' + m R^2 a a'^2 + m g (R a cos a - rho sin a) = 0 of its slope a."""
+    scene, rate = lf.SpatialScene(gravity=(0.0, 0.0, -G)), 2.0
+    solid = scene.ground.cylinder((0.0, 0.0, -RING), LYING, RING, HEIGHT)
+    body = lf.Capsule(ROD, 2.0 * HALF, mass=2.0)
+    turn = Rotation.from_euler("y", 90.0, degrees=True)
+    place = (0.0, 0.1, ROD)
+    rod = scene.add(body, "rod", place, turn, velocity=(ROD * rate, 0.0, 0.0), angular_velocity=(0.0, rate, 0.0))
+    scene.contact(solid, rod.surface(), friction=1.0, name="contact")
+    J, m = float(body.inertia[0, 0]), 2.0
+
+    def slope(t: float, y: Any) -> list[float]:
+        a, b = y
+        pull = m * RING**2 * a * b * b + m * G * (RING * a * math.cos(a) - ROD * math.sin(a))
+        return [b, -pull / (J + m * (ROD**2 + RING**2 * a * a))]
+
+    exact = solve_ivp(slope, (0.0, 2.0), [0.0, rate], rtol=1e-12, atol=1e-12, dense_output=True).sol
+    result = lf.simulate(scene, 2.0, lf.EventDriven(), record=0.1)
+    for t, q in zip(result.times, result.q, strict=True):
+        a = exact(t)[0]
+        n, along = np.array([math.sin(a), 0.0, math.cos(a)]), np.array([math.cos(a), 0.0, -math.sin(a)])
+        expected = (RING + ROD) * n - RING * a * along + [0.0, 0.1, -RING]
+        np.testing.assert_allclose(q[:3], expected, atol=2e-8)
+    assert np.abs(exact(result.times)[0]).max() > 0.3
+    assert abs(result.energies.friction[-1]) < 1e-9

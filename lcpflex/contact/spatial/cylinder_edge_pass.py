@@ -18,7 +18,7 @@ from lcpflex.contact.spatial.narrow_phase.sides import frame_of, line_between, p
 from lcpflex.contact.spatial.narrow_phase.turning import COINCIDENT
 from lcpflex.contact.spatial.pairs import locate
 from lcpflex.contact.spatial.table import SpatialContactTable
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, scaled, turned
 from lcpflex.model.spatial import SpatialModel
@@ -82,7 +82,7 @@ def edge_on_cylinder(
     return n
 
 
-@kernel
+@late_kernel
 def edges_on_cylinder(
     model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, n: int
 ) -> int:

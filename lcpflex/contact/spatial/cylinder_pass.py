@@ -16,7 +16,7 @@ from lcpflex.contact.spatial.narrow_phase.sides import frame_of, place_in, world
 from lcpflex.contact.spatial.node_pass import THIN
 from lcpflex.contact.spatial.pairs import locate
 from lcpflex.contact.spatial.table import NODE_CAP, NODE_RIM, NODE_SIDE, SpatialContactTable
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.kinematics.spatial.vectors import apart_from
 from lcpflex.model.spatial import SpatialModel
 
@@ -39,7 +39,7 @@ def part_of(z: float, r: float, length: float, radius: float, thin: float) -> tu
     return NODE_SIDE, SIDE_OF, beside
 
 
-@kernel
+@late_kernel
 def nodes_on_cylinder(
     model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, n: int
 ) -> int:

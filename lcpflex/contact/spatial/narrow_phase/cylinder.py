@@ -21,7 +21,7 @@ from lcpflex.contact.spatial.narrow_phase.rim import lowest_on_rim, rim_axis, tu
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, Motion, line_between, place_in, point_spin, world_place
 from lcpflex.contact.spatial.narrow_phase.turning import COINCIDENT, Turning, set_entry
 from lcpflex.contact.spatial.table import EDGE_SIDE, NODE_CAP, NODE_SIDE, SpatialContactTable
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import NOTHING, added, apart_from, dot, norm, row_vector, scaled
 from lcpflex.model.spatial import SpatialPoints
@@ -100,7 +100,7 @@ def across_axis(points: SpatialPoints, q: FloatArray, frame: Frame, o: int, x: i
     return turned_by_material(points, q, frame, o, c)
 
 
-@kernel
+@late_kernel
 def refresh_cylinder(
     points: SpatialPoints, q: FloatArray, i: Frame, j: Frame, table: SpatialContactTable, k: int
 ) -> None:

@@ -31,7 +31,7 @@ from lcpflex.contact.spatial.narrow_phase.sides import (
 )
 from lcpflex.contact.spatial.narrow_phase.turning import COINCIDENT, Turning, set_entry
 from lcpflex.contact.spatial.table import EDGE_SIDE, SpatialContactTable
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, row_vector, scaled, turned
 from lcpflex.model.spatial import SpatialPoints
@@ -51,7 +51,7 @@ def edge_of(
     return apart_from(head, world_place(j, place_in(points, q, j, o))), e, rim_axis(points, q, j, o, x)
 
 
-@kernel
+@late_kernel
 def refresh_edge_by_cylinder(
     points: SpatialPoints, q: FloatArray, i: Frame, j: Frame, table: SpatialContactTable, k: int
 ) -> None:
