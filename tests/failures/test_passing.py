@@ -169,3 +169,32 @@ def test_what_crosses_edge_on_edge_and_is_met_is_trusted(stepper: Any, kind: str
     result = lf.simulate(crossing(kind, 0.05), 0.01, stepper, progress=False)
     assert result.contact("cross").impulse[-1, 0] > 0.0
     assert not doubts(result)
+
+
+def clipped(speed: float) -> lf.SpatialScene:
+    """A turning cube of 1 cm that grazes a sphere as large."""
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    ball = scene.add(lf.Sphere(0.01, mass=1.0))
+    cube = scene.add(
+        lf.Cuboid(0.01, 0.01, 0.01, mass=0.01),
+        position=(0.01, 0.013, 0.3),
+        velocity=(0.0, 0.0, -speed),
+        angular_velocity=(30.0, 20.0, 5.0),
+    )
+    scene.contact(ball.surface(), cube.surface(), friction=0.2, restitution=0.5, name="clip")
+    return scene
+
+
+@pytest.mark.parametrize(
+    "stepper", [lf.MoreauJean(step=1e-3), lf.GeneralizedAlpha(step=1e-3), lf.GeneralizedAlpha(step=5e-4)]
+)
+def test_what_is_pushed_out_of_a_body_without_an_impulse_is_told(loud: Loud, stepper: Any) -> None:
+    """A pair that opens again at the end of the step in which it closed: half the step sees no more of it."""
+    said = loud(clipped(10.0), 0.062, stepper)
+    assert "the penetration of 877.8 µm is large for a scene of 20 mm" in said
+
+
+def test_what_grazes_a_body_in_fine_steps_is_trusted() -> None:
+    result = lf.simulate(clipped(10.0), 0.062, lf.GeneralizedAlpha(step=1e-5), progress=False)
+    assert result.contact("clip").impulse[-1, 0] == pytest.approx(0.0425, rel=0.01)
+    assert not doubts(result)

@@ -85,6 +85,7 @@ class AlphaScheme:
     matched: IntArray = array("contacts")  # the resting contact that each one of the table is, or -1
     total: FloatArray = array("contacts")  # nu of each contact of the table [N s]
     recursive: FloatArray = array("laws", "parts")  # share of the smooth contact forces in a [N]
+    deep: FloatArray = array("laws")  # how deep contacts that did not rest were before they were lifted [m]
     start: EndForces
     end: EndForces
     mixing: Mixing

@@ -83,11 +83,7 @@ def pose_position(model: Model, t: float, work: Workspace, scheme: AlphaScheme) 
         largest = max(largest, abs(scheme.q_new[i]))
     worst = position_error(model, t, n, work, scheme)
     if scheme.turn == 0:
-        match(work.table, n, scheme.resting, scheme.matched)
-        for k in range(n):
-            scheme.lifted = max(scheme.lifted, -work.table.gap[k])
-            if -work.table.gap[k] > scheme.struck_at and scheme.matched[k] < 0:
-                scheme.struck_at = -work.table.gap[k]
+        note_depths(n, work, scheme)
     if worst <= CLOSED * (1.0 + largest) or scheme.turn >= MOST_LIFTS:
         scheme.phase = VELOCITY
         scheme.n_found = n
@@ -108,6 +104,20 @@ def pose_position(model: Model, t: float, work: Workspace, scheme: AlphaScheme) 
     work.lifted = 1
     scheme.warm = 1
     return n
+
+
+@kernel
+def note_depths(n: int, work: Workspace, scheme: AlphaScheme) -> None:
+    """How deep the n contacts of the table are before they are lifted."""
+    table, deep = work.table, scheme.deep
+    match(table, n, scheme.resting, scheme.matched)
+    for k in range(n):
+        deep[table.law[k]] = 0.0
+    for k in range(n):
+        scheme.lifted = max(scheme.lifted, -table.gap[k])
+        if scheme.matched[k] < 0:
+            scheme.struck_at = max(scheme.struck_at, -table.gap[k])
+            deep[table.law[k]] = max(deep[table.law[k]], -table.gap[k])
 
 
 @kernel

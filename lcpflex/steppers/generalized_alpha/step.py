@@ -241,6 +241,20 @@ def struck(work: Workspace, scheme: AlphaScheme) -> bool:
 
 
 @kernel
+def note_penetration(work: Workspace, scheme: AlphaScheme, recorder: Recorder) -> None:
+    """Keep the deepest penetration: what is left, and what was lifted away of pairs that no impulse pushed apart.
+
+    Such a pair opens again at the end of a step in which it closed: where it met, and how hard, the step has missed.
+    """
+    table, deep, counts = work.table, scheme.deep, recorder.counts
+    for k in range(work.n_contacts):
+        if work.p[work.n_joint + k] > 0.0:
+            deep[table.law[k]] = 0.0
+    for k in range(work.n_contacts):
+        counts.worst_penetration = max(counts.worst_penetration, max(-table.gap[k], deep[table.law[k]]))
+
+
+@kernel
 def apply_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme, recorder: Recorder) -> bool:
     """The state at the end of the step, in place. False where it is not finite."""
     q, u = scheme.q, scheme.u
@@ -251,8 +265,7 @@ def apply_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme,
     audit(t, work, scheme, recorder)
     for r in range(n_joint):
         recorder.counts.worst_drift = max(recorder.counts.worst_drift, abs(work.residual[r]))
-    for k in range(work.n_contacts):
-        recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -work.table.gap[k])
+    note_penetration(work, scheme, recorder)
     jumps = broken(work, scheme)
     note_ends(model, scheme.step, recorder.reactions)
     note_impulses(model, work, struck(work, scheme), recorder.reactions)
