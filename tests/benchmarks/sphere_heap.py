@@ -29,7 +29,7 @@ STEP, FRICTION, LESS = 1e-3, 0.5, 0.3  # LESS: friction of laying to rest
 TOLERANCE = 1e-6
 CLOSED = GRAVITY * STEP**2  # gap [m]
 REST, CALM, MOST = 1e-6, 20, 4000  # speed of what rests [m/s], for so many steps; of at most MOST
-KEPT = 1.0
+KEPT = 0.95  # of the speed of a sphere that gets faster
 FloatArray = NDArray[np.float64]
 
 
