@@ -22,8 +22,7 @@ import numpy as np
 
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.contact.narrow_phase.feature import SEGMENT
-from lcpflex.contact.near import near
-from lcpflex.contact.rows import contact_point, contact_rows
+from lcpflex.contact.rows import contact_rows
 from lcpflex.contact.table import ContactTable
 from lcpflex.dynamics.applied_forces import applied_forces, stretch
 from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces
@@ -36,11 +35,10 @@ from lcpflex.kinematics.relative import coordinate_gradient, relative_motion
 from lcpflex.model.arrays import Loads, Model, frozen
 from lcpflex.model.planar import N_RIGID
 from lcpflex.results.contact_history import ContactPoints
+from lcpflex.results.touching_pairs import TouchingPairs
 
 __all__ = ["ActingForces", "PointLoad", "accelerations", "material_of"]
 
-NEAR = (1e-3, 1e-2, 1e-1)  # of the size of the scene: pairs among which one that presses is looked for
-TURNED = 0.1  # of the size of the scene: as far as a normal that is turned by 1 rad is another pair
 REDUNDANT = 1e-12
 FOLLOWED = 2.0  # omega h: three steps a period
 STILL = 1e12  # inertia of a mode that is held, over its own
@@ -173,9 +171,9 @@ class ActingForces:
     def _press(self, touching: ContactPoints, t: float, q: FloatArray, loads: list[PointLoad]) -> None:
         """Add the contact forces."""
         rows = np.zeros((2, 2, self._width))
-        tables: dict[float, tuple[ContactTable, int]] = {}  # one search serves all touching points
+        pairs = TouchingPairs(self._compiled, self._model, t, q)
         for c in np.flatnonzero(touching.force.any(axis=1)).tolist():
-            table, k = self._pair(touching, c, t, q, tables)
+            table, k, _ = pairs.of(touching, c)
             contact_rows(self._model, q, table, k, *rows)
             row = touching.force[c, 0] * rows[0] + touching.force[c, 1] * rows[1]
             if table.body[k, 0] >= 0:
@@ -190,28 +188,6 @@ class ActingForces:
         s = float(table.s[k])
         ends = (int(table.a[k]), 1.0 - s), (int(table.b[k]), s)
         return PointLoad(int(table.body[k, 1]), ends, row[:2].copy(), 0.0)
-
-    def _pair(
-        self, touching: ContactPoints, c: int, t: float, q: FloatArray, tables: dict[float, tuple[ContactTable, int]]
-    ) -> tuple[ContactTable, int]:
-        """The pair of a touching point: that of its contact which is nearest, and has its normal."""
-        size, law = self._compiled.size, int(touching.contact[c])
-        for share in NEAR:
-            if share not in tables:
-                tables[share] = near(self._model, q, share * size)
-            table, found = tables[share]
-            own = np.flatnonzero(np.asarray(table.law)[:found] == law)
-            if len(own):
-                places = np.array([contact_point(self._model, q, table, i) for i in own.tolist()])
-                away = np.hypot(*(places - touching.place[c]).T)
-                turned = np.hypot(*(np.asarray(table.normal)[own] - touching.normal[c]).T)
-                best = int((away + TURNED * size * turned).argmin())
-                if away[best] <= share * size:
-                    return table, int(own[best])
-        raise ModelError(
-            f"result: the contact {self._compiled.layout.contacts[law]!r} carries a force at t = {t:.6g} s, where its "
-            "surfaces are not near each other any more; expected shorter steps"
-        )
 
     def _accelerated(
         self, t: float, q: FloatArray, u: FloatArray, external: FloatArray, force: FloatArray, loads: list[PointLoad]
