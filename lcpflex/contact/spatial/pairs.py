@@ -72,6 +72,8 @@ __all__ = [
     "foot_margin",
     "gap_rate",
     "locate",
+    "mean_on_i",
+    "mean_on_j",
     "node_margin",
     "normal_rate",
     "refresh",

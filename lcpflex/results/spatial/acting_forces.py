@@ -1,8 +1,9 @@
 """What acts on the bodies of a spatial scene at a stored instant: every force and moment, and accelerations.
 
-As :mod:`lcpflex.results.acting_forces` in the plane: loads at (t, q, u), and reactions of joints from
+As :mod:`lcpflex.results.acting_forces` in the plane: loads at (t, q, u), contact forces as they were stored
+(:mod:`lcpflex.results.spatial.contact_wrenches`), and reactions of joints from
 
-    M udot = h + J^T lambda,   J udot + b = 0.
+    M udot = h + W lambda_c + J^T lambda,   J udot + b = 0.
 
 Joints in space are redundant as a rule. Of all lambda with the same motion the reactions of the least norm are taken,
 sum of |F|^2 + |M|^2 / L^2 over all joints, M about P and L the extent of the largest body, as those of
@@ -32,21 +33,16 @@ from lcpflex.kinematics.spatial.frames import matrices
 from lcpflex.kinematics.spatial.joint_rows import joint_rows
 from lcpflex.model.arrays import frozen
 from lcpflex.model.spatial import N_PLACE, N_RIGID, SpatialModel
+from lcpflex.results.contact_history import ContactPoints
+from lcpflex.results.spatial.contact_wrenches import contact_wrenches
+from lcpflex.results.spatial.point_wrench import PointWrench
 
-__all__ = ["Acting", "PointWrench", "SpatialActingForces"]
+__all__ = ["Acting", "SpatialActingForces"]
 
 DEPENDENT = 1e-10  # of the largest eigenvalue of J M^-1 J^T with a unit diagonal: rows that depend on others
 SHARED = 1e-4  # of a combination of rows that moves nothing: the part that loads a body
 FOLLOWED = 2.0  # omega h: three steps a period
 STILL = 1e12  # inertia of a mode that is held, over its own
-
-
-class PointWrench(NamedTuple):
-    """Forces and moments on the material of a body at a material point, as a generalised force."""
-
-    body: int
-    point: int
-    block: FloatArray  # (6 + n,) force, world axes [N]; moment about the origin of its frame, body axes [N m]; modal
 
 
 class Acting(NamedTuple):
@@ -84,8 +80,6 @@ class SpatialActingForces:
                 "result: its scene has Python functions of time, which no file holds, and what they gave was not "
                 "saved; expected the result of a run in this process, not one that was loaded"
             )
-        if compiled.layout.contacts:
-            raise ModelError("section: the scene has contacts, whose forces are not counted with in space so far")
         assert isinstance(model, SpatialModel)
         self._compiled, self._own = compiled, model
         self._model: Any = pack(model)
@@ -109,8 +103,14 @@ class SpatialActingForces:
             callback.fill(t, self._compiled.state(t, q, u), external)
         return external
 
-    def at(self, k: int, t: float, q: FloatArray, u: FloatArray) -> Acting:
-        """What acts at the stored instant k; u has no rates of the modes ``still``."""
+    def at(self, k: int, touching: ContactPoints, t: float, q: FloatArray, u: FloatArray) -> Acting:
+        """What acts at the stored instant k; touching: the contacts there. u has no rates of the modes ``still``.
+
+        Raises
+        ------
+        ModelError
+            Where a contact force cannot be told the points it acts on.
+        """
         model, q, u = self._model, q.copy(), u.copy()
         external = self.outside(k, t, q, u)
         force, lost = np.zeros_like(u), np.zeros_like(u)
@@ -119,6 +119,7 @@ class SpatialActingForces:
         elastic_forces(model.bodies, q, u, force, lost)
         force += lost
         loads = [*self._efforts(t, q, external), *self._springs(q, u)]
+        loads += contact_wrenches(self._compiled, model, touching, t, q)
         for load in loads:
             force[self._dofs(load.body)] += load.block
         if not int(self._own.joints.row[-1]):
@@ -135,7 +136,7 @@ class SpatialActingForces:
         owners = [int(self._own.points.body[p]) for p in ends]
         size = [self._dofs(b).stop - self._dofs(b).start for b in owners]
         return [
-            PointWrench(b, p, block[:n].copy())
+            PointWrench(b, ((p, 1.0),), block[:n].copy())
             for b, p, block, n in zip(owners, ends, blocks, size, strict=True)
             if b >= 0
         ]
@@ -147,7 +148,7 @@ class SpatialActingForces:
             if b >= 0:
                 force = np.zeros(int(self._own.bodies.dof[-1]))
                 add_effort(self._model, q, k, t, np.zeros(2), external, force)
-                found.append(PointWrench(b, p, force[self._dofs(b)]))
+                found.append(PointWrench(b, ((p, 1.0),), force[self._dofs(b)]))
         return found
 
     def _springs(self, q: FloatArray, u: FloatArray) -> list[PointWrench]:

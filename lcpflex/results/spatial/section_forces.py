@@ -28,7 +28,7 @@ from lcpflex.results.spatial.acting_forces import Acting, SpatialActingForces
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
-    from lcpflex.jit.kernel import FloatArray
+    from lcpflex.jit.kernel import FloatArray, IntArray
     from lcpflex.results.result import Result
 
 __all__ = ["SpatialSectionForces", "spatial_section_forces"]
@@ -41,16 +41,19 @@ ON = 1e-9  # of the length: a load so near to a section is at it
 class SpatialSectionForces:
     """What the part of a spatial beam beyond a section does to the part before it, in the axes of the turned section.
 
-    From the equilibrium of the part beyond, with its inertia, weight, loads, springs and joints; see
+    From the equilibrium of the part beyond, with its inertia, weight, loads, springs, contacts and joints; see
     :mod:`lcpflex.results.spatial.section_forces`. Signs: N > 0 pulls, V_y and V_z act along y and z, T > 0 twists the
     part before about x, M_y = -E I_y w'' and M_z = E I_z v''; quasi-statically without loads dM_y/dx = V_z and
     dM_z/dx = -V_y. A load at the section itself counts with the part before it, at the right end with the part beyond:
     values at both ends are those just inside.
 
-    They hold at the stored instants, with the reactions of joints that the state (q, u) asks for there. Modes that the
-    steps of a time-stepping scheme or of ``Stiff`` do not follow (omega h > 2, h the mean step) count as static: they
-    swing with the steps, not as the beam would. Inertia is that of the deflected beam with all modes, where the motion
-    counts products of the first ``second_order`` modes alone: both ends balance up to the second order of the others.
+    They hold at the stored instants, with the reactions of joints that the state (q, u) asks for there. Contact forces
+    are those that were stored: of time-stepping schemes the mean of a step, with the impulse of an impact in it. They
+    act where the material is touched; on a cylinder, rim or plane of the beam, where the beam carries it. Modes that
+    the steps of a time-stepping scheme or of ``Stiff`` do not follow (omega h > 2, h the mean step) count as static:
+    they swing with the steps, not as the beam would. Inertia is that of the deflected beam with all modes, where the
+    motion counts products of the first ``second_order`` modes alone: both ends balance up to the second order of the
+    others.
 
     Attributes
     ----------
@@ -65,8 +68,8 @@ class SpatialSectionForces:
     T, M_y, M_z
         (m, k) or (m,) [N m].
     unique
-        (m,) whether the motion determines them: where redundant joints share the load of the body in ways that it does
-        not tell, they belong to the reactions of the least norm, as those of
+        (m,) whether the motion, with contact forces as they were stored, determines them: where redundant joints share
+        the load of the body in ways that it does not tell, they belong to the reactions of the least norm, as those of
         :class:`lcpflex.results.result.JointReaction`.
     """
 
@@ -98,9 +101,12 @@ class Axis(NamedTuple):
 
 
 def spatial_section_forces(
-    result: Result, compiled: CompiledScene, b: int, x: Any, step: float
+    result: Result, compiled: CompiledScene, b: int, x: Any, step: float, records: IntArray | None = None
 ) -> SpatialSectionForces:
-    """See :meth:`lcpflex.results.result.Result.section`; of body b, step: mean one of the run [s]."""
+    """See :meth:`lcpflex.results.result.Result.section`.
+
+    Of body b; step: mean one of the run [s]; ``records``: instants, None: all.
+    """
     line, name = compiled.recovery[b] if compiled.recovery else None, compiled.layout.bodies[b]
     if not isinstance(line, SpatialLineShapes):
         raise ModelError(
@@ -108,19 +114,20 @@ def spatial_section_forces(
             "beam with more than 2e6 numbers of its modes)"
         )
     places = _sections(line, x)
+    chosen = np.arange(len(result.times)) if records is None else records
     forces = SpatialActingForces(compiled, step, result.outside)
     assert isinstance(compiled.model, SpatialModel)
     cut = _Cut(compiled.model, b, line, np.atleast_1d(places))
-    found = np.zeros((6, len(result.times), places.size))
-    unique = np.ones(len(result.times), dtype=bool)
-    for k, t in enumerate(result.times.tolist()):
+    found = np.zeros((6, len(chosen), places.size))
+    unique = np.ones(len(chosen), dtype=bool)
+    for row, k in enumerate(chosen.tolist()):
         q, u = result.q[k], result.u[k].copy()
         u[forces.still] = 0.0
-        acting = forces.at(k, t, q, u)
-        found[:, k] = cut.forces(q, u, acting)
-        unique[k] = b not in acting.shared
-    N, V_y, V_z, T, M_y, M_z = (part.reshape(len(result.times), *places.shape) for part in found)
-    return SpatialSectionForces(name, result.times, places, N, V_y, V_z, T, M_y, M_z, unique)
+        acting = forces.at(k, result.contact_points.at(k), float(result.times[k]), q, u)
+        found[:, row] = cut.forces(q, u, acting)
+        unique[row] = b not in acting.shared
+    N, V_y, V_z, T, M_y, M_z = (part.reshape(len(chosen), *places.shape) for part in found)
+    return SpatialSectionForces(name, result.times[chosen], places, N, V_y, V_z, T, M_y, M_z, unique)
 
 
 def _sections(line: SpatialLineShapes, x: Any) -> FloatArray:
@@ -160,7 +167,8 @@ class _Cut:
         total, about = self._beyond @ force, self._beyond @ moment
         for load in acting.loads:
             if load.body == self._b:
-                beyond = self._counted(points.place[load.point, :1])
+                station = sum(weight * points.place[p, :1] for p, weight in load.points)
+                beyond = self._counted(np.asarray(station))
                 total = total + beyond * (A.T @ load.block[:3])
                 about = about + beyond * load.block[3:6]
         about = about - np.cross(_deflected(self._at, modal), total)
