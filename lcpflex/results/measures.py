@@ -22,9 +22,17 @@ from lcpflex.results.instant import Instant
 from lcpflex.results.joint_reaction import joint_reaction
 from lcpflex.results.orientation import body_angle
 from lcpflex.results.places import trajectory, velocity
-from lcpflex.results.section_forces import body_of_result, section_forces
+from lcpflex.results.section_forces import body_of_result, mean_step, section_forces
 from lcpflex.results.stress_history import stress_history
-from lcpflex.scene.sensors.forces import Contact, Reaction, Section, SpatialContact, SpatialReaction, Stress
+from lcpflex.scene.sensors.forces import (
+    Contact,
+    Reaction,
+    Section,
+    SpatialContact,
+    SpatialReaction,
+    SpatialSection,
+    Stress,
+)
 from lcpflex.scene.sensors.motions import Body, Coordinates, Energy, MaterialPoint, SpatialFrame, StateNumbers
 from lcpflex.scene.sensors.user_function import Function
 
@@ -192,6 +200,19 @@ def _section(sensor: Section, window: Window) -> Any:
     return np.column_stack([found.N, found.V, found.M])
 
 
+def _spatial_section_columns(sensor: SpatialSection) -> Columns:
+    return Columns(("N", "V_y", "V_z", "T", "M_y", "M_z", "unique"), (*["N"] * 3, *["N m"] * 3, ""))
+
+
+def _spatial_section(sensor: SpatialSection, window: Window) -> Any:
+    from lcpflex.results.spatial.section_forces import spatial_section_forces
+
+    compiled, b = body_of_result(window.result, sensor.body, "section")
+    step = mean_step(window.result, window.step)
+    found = spatial_section_forces(window.result, compiled, b, sensor.x, step, np.array(window.rows))
+    return np.column_stack([found.N, found.V_y, found.V_z, found.T, found.M_y, found.M_z, found.unique])
+
+
 def _stress_columns(sensor: Stress) -> Columns:
     return Columns(("xx", "yy", "xy", "zz", "von Mises"), ("Pa",) * 5)
 
@@ -251,6 +272,7 @@ KINDS: dict[type, tuple[Callable[[Any], Columns], Callable[[Any, Window], Any]]]
     Contact: (_contact_columns, _contact),
     SpatialContact: (_spatial_contact_columns, _contact),
     Section: (_section_columns, _section),
+    SpatialSection: (_spatial_section_columns, _spatial_section),
     Stress: (_stress_columns, _stress),
     Function: (_function_columns, _function),
 }

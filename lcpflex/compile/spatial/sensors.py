@@ -11,7 +11,15 @@ from lcpflex.basics.arguments import absent
 from lcpflex.compile.coordinates import coordinate_names, coordinate_units, rate_labels, velocity_names, velocity_units
 from lcpflex.errors import ModelError
 from lcpflex.model.arrays import frozen
-from lcpflex.scene.sensors.forces import Contact, Reaction, Section, SpatialContact, SpatialReaction, Stress
+from lcpflex.scene.sensors.forces import (
+    Contact,
+    Reaction,
+    Section,
+    SpatialContact,
+    SpatialReaction,
+    SpatialSection,
+    Stress,
+)
 from lcpflex.scene.sensors.motions import Body, Coordinates, MaterialPoint, Point, SpatialFrame, StateNumbers
 from lcpflex.scene.sensors.sensor import Sensor, body_name
 
@@ -24,9 +32,8 @@ __all__ = ["compiled_spatial_sensor"]
 
 def compiled_spatial_sensor(name: str, sensor: Sensor, bodies: SpatialBodies, layout: Layout) -> Sensor:
     """The sensor of that name. Raises ModelError for one that is planar so far, and for unknown bodies and names."""
-    if isinstance(sensor, Section | Stress):
-        kind = type(sensor).__name__
-        raise ModelError(f"sensor {name!r}: {kind} is planar so far, expected another sensor in a SpatialScene")
+    if isinstance(sensor, Stress):
+        raise ModelError(f"sensor {name!r}: Stress is planar so far, expected another sensor in a SpatialScene")
     if isinstance(sensor, Point):
         material = sensor.P.material
         return MaterialPoint(sensor.P.body, frozen(material.place), frozen(material.phi), sensor.every, name)
@@ -43,6 +50,8 @@ def compiled_spatial_sensor(name: str, sensor: Sensor, bodies: SpatialBodies, la
         return SpatialReaction(sensor.joint, sensor.axes, sensor.every, name)
     if isinstance(sensor, Contact):
         return SpatialContact(sensor.contact, sensor.every, name)
+    if isinstance(sensor, Section):
+        return SpatialSection(body_name(sensor), sensor.x, sensor.every, name)
     named: Any = sensor
     return replace(named, name=name)  # type: ignore[no-any-return]
 

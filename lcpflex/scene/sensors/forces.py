@@ -9,8 +9,9 @@ from lcpflex.basics.options import keep_flag, keep_number
 from lcpflex.bodies.body import array_of
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.sensors.sensor import check_sensor, keep_body, keep_text
+from lcpflex.scene.spatial.handles import SpatialPlaced
 
-__all__ = ["Contact", "Reaction", "Section", "SpatialContact", "SpatialReaction", "Stress"]
+__all__ = ["Contact", "Reaction", "Section", "SpatialContact", "SpatialReaction", "SpatialSection", "Stress"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,12 +76,14 @@ class SpatialContact:
 class Section:
     """Section forces N, V [N] and M [N m] of a beam or bar at x [m], as :class:`lcpflex.results.result.SectionForces`.
 
-    They are computed in Python, in about a millisecond a measurement. body: a Beam or Bar, or its name. x: along its
-    axis [m]. every: time between measurements [s], see :meth:`lcpflex.Scene.sensor`. name: of the sensor. Raises
-    ModelError for another body, or a place off its axis.
+    In a spatial scene N, V_y, V_z, T, M_y and M_z, and whether the motion determines them, as
+    :class:`lcpflex.results.spatial.section_forces.SpatialSectionForces`. They are computed in Python, in about a
+    millisecond a measurement. body: a Beam, Bar or SpatialBeam, or its name. x: along its axis [m]. every: time between
+    measurements [s], see :meth:`lcpflex.Scene.sensor`. name: of the sensor. Raises ModelError for another body, or a
+    place off its axis.
     """
 
-    body: Placed | str
+    body: Placed | SpatialPlaced | str
     x: float
     every: float | None = None
     name: str = ""
@@ -89,6 +92,16 @@ class Section:
         check_sensor(self)
         keep_body(self)
         keep_number(self, "x", -math.inf, math.inf, label="Section: x")
+
+
+@dataclass(frozen=True, slots=True)
+class SpatialSection:
+    """A :class:`Section` of a compiled spatial scene."""
+
+    body: str
+    x: float
+    every: float | None
+    name: str
 
 
 @dataclass(frozen=True, slots=True)

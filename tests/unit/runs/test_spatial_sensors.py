@@ -109,7 +109,6 @@ def test_functions_are_asked_with_rotations() -> None:
 @pytest.mark.parametrize(
     ("sensor", "words"),
     [
-        (lf.sensors.Section("box", 0.0), "Section is planar so far"),
         (lf.sensors.Stress("box", (0.0, 0.0)), "Stress is planar so far"),
         (lf.sensors.Body("bx"), "body: no body 'bx'"),
         (lf.sensors.Coordinates(("box.angle",)), "names: no coordinate or velocity 'box.angle'"),
@@ -121,6 +120,45 @@ def test_what_cannot_be_measured_in_space_is_refused_by_name(sensor: Any, words:
     scene.sensor(sensor)
     with pytest.raises(ModelError, match=f"sensor 'sensor1': {words}"):
         scene.compile()
+
+
+@pytest.mark.parametrize(
+    ("body", "x", "words"),
+    [
+        ("box", 0.0, "body: 'box' was given, expected a SpatialBeam"),
+        ("rod", 0.0, "body: no body 'rod'"),
+        ("beam", 0.4, "x: 0.4 was given, expected a place from -0.3 to 0.3 m"),
+    ],
+)
+def test_sections_that_are_not_there_are_refused_by_name(body: str, x: float, words: str) -> None:
+    scene = thrown("box")
+    scene.add(slender().reduce(0), "beam", (0.0, 0.0, 5.0))
+    scene.sensor(lf.sensors.Section(body, x))
+    with pytest.raises(ModelError, match=f"sensor 'sensor1': {words}"):
+        lf.simulate(scene, 0.02, STEPPERS["moreau"])
+
+
+def slender() -> lf.SpatialBeam:
+    return lf.SpatialBeam(0.6, 1e-4, (8e-10, 1.6e-9), 2.4e-9, 2700.0, 7e10, poissons_ratio=0.3, elements=10)
+
+
+def test_sections_of_a_beam_that_touches_are_those_of_the_result() -> None:
+    scene = lf.SpatialScene()
+    beam = scene.add(slender().reduce(0), "beam")
+    rod = beam.capsule("left", "right", 0.01)
+    for k, x in enumerate((-0.2, 0.25)):
+        scene.contact(rod, scene.ground.sphere((x, 0.0, -0.06), 0.05), friction=0.2, name=f"support {k}")
+    scene.sensor(lf.sensors.Section(beam, 0.1, every=2e-3, name="cut"))
+    scene.sensor(lf.sensors.Section("beam", -0.2))
+    result = lf.simulate(scene, 0.02, STEPPERS["moreau"], record=2e-3)
+    cut = result.sensor("cut")
+    assert cut.columns == ("N", "V_y", "V_z", "T", "M_y", "M_z", "unique")
+    assert cut.units == ("N", "N", "N", "N m", "N m", "N m", "")
+    for sensor, x in zip(result.sensors, (0.1, -0.2), strict=True):
+        found = result.section("beam", x)
+        for name in sensor.columns:
+            np.testing.assert_array_equal(sensor.column(name), getattr(found, name))
+    assert np.abs(cut.column("V_z")).max() > 0.1
 
 
 def test_rotations_are_refused_in_the_plane_by_name() -> None:
