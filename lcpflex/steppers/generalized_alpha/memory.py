@@ -69,6 +69,7 @@ class AlphaScheme:
     tolerance: float
     rebound: float  # slower approach is stopped, not reflected [m/s]
     settle: float  # and so is one that is slower than so many times what this step adds to it
+    sunk: float  # penetration that is told where it is lifted without an impulse [m]
     q: FloatArray = array("nq")
     u: FloatArray = array("ndof")
     a: FloatArray = array("ndof")  # the recursive acceleration of the scheme

@@ -242,16 +242,19 @@ def struck(work: Workspace, scheme: AlphaScheme) -> bool:
 
 @kernel
 def note_penetration(work: Workspace, scheme: AlphaScheme, recorder: Recorder) -> None:
-    """Keep the deepest penetration: what is left, and what was lifted away of pairs that no impulse pushed apart.
+    """Keep the deepest penetration: what is left, and what more than ``sunk`` was lifted where no impulse pushed.
 
     Such a pair opens again at the end of a step in which it closed: where it met, and how hard, the step has missed.
     """
-    table, deep, counts = work.table, scheme.deep, recorder.counts
+    table, deep, counts, worst = work.table, scheme.deep, recorder.counts, 0.0
     for k in range(work.n_contacts):
         if work.p[work.n_joint + k] > 0.0:
             deep[table.law[k]] = 0.0
     for k in range(work.n_contacts):
-        counts.worst_penetration = max(counts.worst_penetration, max(-table.gap[k], deep[table.law[k]]))
+        worst = max(worst, -table.gap[k])
+        if deep[table.law[k]] > scheme.sunk:
+            worst = max(worst, deep[table.law[k]])
+    counts.worst_penetration = max(counts.worst_penetration, worst)
 
 
 @kernel

@@ -47,6 +47,8 @@ from lcpflex.steppers.time_stepping import Support, TimeStepping
 
 __all__ = ["GeneralizedAlpha"]
 
+SUNK = 1e-3  # of the largest body: penetration that a summary calls large
+
 
 def _unsettled(scheme: AlphaScheme, work: Workspace, steps: int | None) -> list[str]:
     """Steps of one length in which Newton's method did not converge; error control shortens such steps."""
@@ -143,6 +145,7 @@ class GeneralizedAlpha:
             gap_tolerance=scales.gap(self.gap_tolerance),
             velocity_threshold=given_or(self.velocity_threshold, 1e-8 * scales.speed),
             tolerance=self.solver_tolerance,
+            sunk=SUNK * scales.length,
         )
         support = Support(grown=partial(larger, system), warnings=_unsettled)
         stepping = TimeStepping(system, scheme, self.solver, support, self.on_unsolved, self.budget)
