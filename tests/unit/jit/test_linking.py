@@ -85,11 +85,12 @@ def written() -> dict[tuple[str, str], set[tuple[str, str]]]:
             known[name][node.id]
             for part in function.body
             for node in ast.walk(part)
-            if isinstance(node, ast.Name) and node.id in known[name] and node.id not in own_names(function)
+            if isinstance(node, ast.Name) and node.id in known[name] and node.id not in own
         }
         for name, tree in trees.items()
         for function in tree.body
         if isinstance(function, ast.FunctionDef)
+        for own in [own_names(function)]
     }
     for name, tree in trees.items():
         for declared, function in registered(tree):
