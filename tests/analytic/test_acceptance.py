@@ -18,18 +18,34 @@ from tests.rates import assert_rate
 
 CHECKS = {check.label: check for check in checks()}
 PAIRS = [(check, label) for check in CHECKS.values() for label in LABELS]
+# Seconds each, of steppers that are here with other cases, and of cases that are here with other steppers.
+LONG = {
+    "sphere_on_beam-smooth",
+    "meshed_sphere_on_rod-massless boundary",
+    "meshed_sphere_on_rod-generalised-alpha",
+    "spring_block-Moreau-Jean",
+    "spring_block-generalised-alpha",
+    "spring_block-smooth",
+    "stick_slip-Moreau-Jean",
+    "stick_slip-generalised-alpha",
+    "stick_slip-smooth",
+    "bar_with_foot-generalised-alpha",
+    "slider_crank-event-driven",
+    "slider_crank-generalised-alpha",
+}
 TABLE = (Path(lf.__file__).parent / "ACCURACY.md").read_text(encoding="utf-8").split(CAMPAIGN)[0]
 
 
 def of(kind: type) -> list[object]:
+    entries = {f"{check.label}-{label}": (check, label) for check, label in PAIRS}
     return [
         pytest.param(
             check,
             label,
-            id=f"{check.label}-{label}",
-            marks=[pytest.mark.slow] if getattr(check.entries[label], "slow", False) else [],
+            id=name,
+            marks=[pytest.mark.slow] if name in LONG or getattr(check.entries[label], "slow", False) else [],
         )
-        for check, label in PAIRS
+        for name, (check, label) in entries.items()
         if isinstance(check.entries[label], kind)
     ]
 
