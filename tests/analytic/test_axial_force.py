@@ -135,7 +135,7 @@ def test_every_stepper_knows_the_axial_force(stepper):
     [Stiffening(held="left"), ACTUAL, Stiffening(held="left", axial_force="actual")],
     ids=["by spin", "actual", "both"],
 )
-@pytest.mark.parametrize("modes", [None, 8])
+@pytest.mark.parametrize("modes", [pytest.param(None, marks=pytest.mark.slow), 8])
 def test_spin_up_by_either_way_or_both(stiffening, modes):
     """Kane's beam, in which centrifugal tension is all there is; spin must not count twice."""
     interfaces = ("left",) if modes else ()

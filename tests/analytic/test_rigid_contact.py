@@ -182,6 +182,7 @@ def test_slider_crank_meets_its_guide(stepper: MoreauJean | EventDriven) -> None
     assert stored[hit] == pytest.approx(reference["energy_after"], rel=2e-8 if exact else 5e-4)
 
 
+@pytest.mark.slow
 def test_slider_crank_gets_through_the_accumulation() -> None:
     """The impacts accumulate before 9.2 ms; from there on, both upper corners slide along their guide."""
     located = simulate(gallery.slider_crank(), 0.0098, EventDriven(), record=1e-5)

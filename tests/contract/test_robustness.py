@@ -70,7 +70,7 @@ class TestGallery:
         assert sum(differ) >= 10
 
 
-@pytest.mark.parametrize("seed", [11, 12])
+@pytest.mark.parametrize("seed", [11, pytest.param(12, marks=pytest.mark.slow)])
 def test_no_solver_gives_a_wrong_answer(any_solver, all_solvers, faults, seed):
     name = next(key for key, solver in all_solvers.items() if solver is any_solver)
     asked = 0

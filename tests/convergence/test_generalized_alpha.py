@@ -44,7 +44,7 @@ CASES: dict[str, tuple[Build, float, int]] = {
 }
 
 
-@pytest.mark.parametrize("rho_inf", [1.0, 0.8, 0.3])
+@pytest.mark.parametrize("rho_inf", [1.0, pytest.param(0.8, marks=pytest.mark.slow), 0.3])
 @pytest.mark.parametrize("name", CASES)
 def test_order_two_in_smooth_motion(name: str, rho_inf: float) -> None:
     """State and contact force, against event-driven stepping with tolerance 1e-12."""

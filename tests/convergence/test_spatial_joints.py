@@ -123,7 +123,9 @@ def test_a_flexible_pendulum_with_order_two(name: str) -> None:
     assert unexplained[-1] < 5e-5  # of 22 J
 
 
-@pytest.mark.parametrize(("make", "power"), [(lf.GeneralizedAlpha, 2 / 3), (lf.MoreauJean, 1.0)])
+@pytest.mark.parametrize(
+    ("make", "power"), [pytest.param(lf.GeneralizedAlpha, 2 / 3, marks=pytest.mark.slow), (lf.MoreauJean, 1.0)]
+)
 def test_error_control_with_joints(make: Callable[..., Any], power: float) -> None:
     """R7: errors fall with the tolerance, as its power 2/3 at order 2.
 

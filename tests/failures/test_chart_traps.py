@@ -314,9 +314,7 @@ SOUND = {
 }
 
 
-@pytest.mark.parametrize(
-    "name", ["incline", "ball", *(pytest.param(m, marks=pytest.mark.slow) for m in list(SOUND)[2:])]
-)
+@pytest.mark.parametrize("name", ["incline", *(pytest.param(m, marks=pytest.mark.slow) for m in list(SOUND)[1:])])
 def test_sound_scenes_get_advice_and_its_stepper_can_be_run(name: str) -> None:
     scene, duration = SOUND[name]
     methods = {"Moreau-Jean": moreau(duration), "generalised-alpha": alpha(duration), "event-driven": EVENTS}

@@ -96,7 +96,7 @@ def random_model(seed: int) -> Continuum:
     return Continuum(mesh, RHO, E, float(rng.uniform(-0.5, 0.45)))
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", [*range(10), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(10, 20))])
 def test_random_meshes(seed: int) -> None:
     model = random_model(seed)
     rng = np.random.default_rng(seed)

@@ -62,7 +62,9 @@ def estimate(model) -> tuple[np.ndarray, np.ndarray]:
     return mesh.excess(omega2, shapes), omega2 / finer - 1.0
 
 
-@pytest.mark.parametrize("name", STIFF)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "eight layers of triangles")) for name in STIFF]
+)
 def test_a_mesh_that_is_too_stiff_is_told_when_a_body_is_made(name: str) -> None:
     mesh, ratio, plane_strain, share = STIFF[name]
     model = continuum(mesh, ratio, plane_strain)

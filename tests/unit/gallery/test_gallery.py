@@ -58,7 +58,13 @@ def test_warmup_uses_every_stepper() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "duration"), [("pendulum", 0.42), ("hemisphere", 0.032), ("stick_slip", 0.5), ("double_pendulum", 0.1)]
+    ("name", "duration"),
+    [
+        pytest.param("pendulum", 0.42, marks=pytest.mark.slow),
+        ("hemisphere", 0.032),
+        ("stick_slip", 0.5),
+        ("double_pendulum", 0.1),
+    ],
 )
 @pytest.mark.parametrize("stepper", [MoreauJean(step=2e-5), EventDriven()], ids=["moreau-jean", "event-driven"])
 def test_same_input_same_bits(name: str, duration: float, stepper: MoreauJean | EventDriven) -> None:

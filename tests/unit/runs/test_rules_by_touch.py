@@ -145,7 +145,7 @@ def test_results_are_saved_drawn_and_told(tmp_path: Path) -> None:
         np.testing.assert_array_equal(np.concatenate([getattr(part, name) for part in parts]), getattr(points, name))
 
 
-@pytest.mark.parametrize("stop", [2, 5])
+@pytest.mark.parametrize("stop", [pytest.param(2, marks=pytest.mark.slow), 5])
 @pytest.mark.parametrize("name", STEPPERS)
 def test_a_run_is_resumed_with_the_laws_it_had_given(name: str, stop: int, tmp_path: Path) -> None:
     stepper, path = STEPPERS[name], tmp_path / "run.npz"

@@ -78,6 +78,7 @@ def test_both_drivers_agree() -> None:
     np.testing.assert_allclose(python.q, compiled.q, rtol=0.0, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_a_system_of_the_users_own() -> None:
     result = lf.simulate(gallery.woodpecker(), 0.1, controlled(1e-6), record=0.0)
     beak = np.argmax(np.abs(np.diff(result.u[:, 2])) > 5.0)

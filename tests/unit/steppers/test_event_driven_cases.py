@@ -79,7 +79,7 @@ def test_ball_lands_on_a_block_as_its_slip_stops() -> None:
     assert result.force[-1].max() == pytest.approx(2.0 * G, abs=1e-8)
 
 
-@pytest.mark.parametrize("restitution", [0.0, 0.3])
+@pytest.mark.parametrize("restitution", [pytest.param(0.0, marks=pytest.mark.slow), 0.3])
 def test_chatter_on_a_shaken_table(restitution: float) -> None:
     """A ball leaves where the table falls faster than g, lands, chatters to rest, and leaves a period later."""
     amplitude, omega = 0.01, 40.0

@@ -282,6 +282,7 @@ def test_slider_crank_with_clearance() -> None:
     assert result.energies.stored[after] == pytest.approx(7.4581385, rel=2e-4)
 
 
+@pytest.mark.slow
 def test_woodpecker_pecks() -> None:
     """At five times the published step: errors of the times of the order of that step."""
     reference = gallery.scenes()["woodpecker"].reference

@@ -120,7 +120,7 @@ def classical(mu_drop: float = DROP) -> float:
 SHARP = BengisuAkay(slip_speed=5e-5, decay=1e5, static_friction=STATIC)
 
 
-@pytest.mark.parametrize("step", [2e-4, 1e-4, 2e-5])
+@pytest.mark.parametrize("step", [2e-4, 1e-4, pytest.param(2e-5, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "given", [{}, {"joints": True}, {"contacts": 2}, {"contacts": 3, "joints": True}, {"length": 1e3, "mass": 1e-3}],
     ids=["one body", "welded", "two contacts", "three, welded", "millimetres and tonnes"],
@@ -135,7 +135,7 @@ def test_stick_slip_has_the_period_of_the_two_levels(given: dict[str, Any], step
     assert not [text for text in result.warnings if "friction" in text]
 
 
-@pytest.mark.parametrize("joints", [False, True], ids=["one body", "welded"])
+@pytest.mark.parametrize("joints", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["one body", "welded"])
 def test_a_smooth_fall_converges_to_event_driven(joints: bool) -> None:
     law = BrownMcPhee(1e-3, static_friction=STATIC)
     scene, body = pulled(law, joints)

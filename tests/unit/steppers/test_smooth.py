@@ -64,7 +64,11 @@ def test_hertz_impact(integrator: Any) -> None:
     assert not result.warnings
 
 
-@pytest.mark.parametrize("integrator", [FINE, Stiff(rtol=1e-10, atol=1e-13)], ids=["explicit", "stiff"])
+@pytest.mark.parametrize(
+    "integrator",
+    [FINE, pytest.param(Stiff(rtol=1e-10, atol=1e-13), marks=pytest.mark.slow)],
+    ids=["explicit", "stiff"],
+)
 def test_elastic_stop(integrator: Any) -> None:
     result = lf.simulate(stopped_mass(), 0.4, Smooth(Penalty(1e6), integrator=integrator), record=1e-5)
     times = crossings(result, 0.1)
@@ -91,7 +95,7 @@ def test_damping_of_hunt_and_crossley(factor: float, rebound: float) -> None:
     assert result.force[:, 0, 0].min() >= 0.0
 
 
-@pytest.mark.parametrize("stiffness", [100.0, 300.0, 1000.0])
+@pytest.mark.parametrize("stiffness", [100.0, *(pytest.param(k, marks=pytest.mark.slow) for k in (300.0, 1000.0))])
 def test_elastic_bar_on_a_spring(stiffness: float) -> None:
     """Until the wave returns from the free end, F = Z v (1 - exp(-K t / Z)); on a rigid wall Z v = 300 N."""
     scene = gallery.elastic_bar(elements=400, gap=0.05)
@@ -149,7 +153,7 @@ def test_stiff_steps_hold_joints(method: Any) -> None:
         (ExplicitRungeKutta(rtol=1e-4, atol=1e-6), 1e-5),
         (Verlet(1e-3), 1e-10),
         # put right where the state is off by its tolerance only, atol + rtol |q| with |q| = 2: here five times that
-        (Stiff(rtol=1e-4, atol=1e-6), 1e-3),
+        pytest.param(Stiff(rtol=1e-4, atol=1e-6), 1e-3, marks=pytest.mark.slow),
     ],
     ids=["rk", "verlet", "stiff"],
 )

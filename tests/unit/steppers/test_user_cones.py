@@ -114,7 +114,11 @@ ELASTIC = laws.PowerLaw(1e4, 1.0)
 
 
 @pytest.mark.parametrize("friction", [laws.SmoothedCoulomb(), laws.LuGre(), laws.Bristle()], ids=["tanh", "LuGre", "z"])
-@pytest.mark.parametrize("integrator", [lf.ExplicitRungeKutta(), lf.Verlet(1e-4)], ids=["Runge-Kutta", "Verlet"])
+@pytest.mark.parametrize(
+    "integrator",
+    [pytest.param(lf.ExplicitRungeKutta(), marks=pytest.mark.slow), lf.Verlet(1e-4)],
+    ids=["Runge-Kutta", "Verlet"],
+)
 def test_along_a_line_two_directions_are_one(friction: Any, integrator: Any) -> None:
     stepper = lf.Smooth(lf.ContactLaw(ELASTIC, None, friction), integrator=integrator)
     one, two = (lf.simulate(sled(k, 0.3, 0.3), 0.02, stepper) for k in (1, 2))

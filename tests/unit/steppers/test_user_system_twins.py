@@ -161,7 +161,9 @@ SMOOTH: dict[str, Any] = {
 }
 
 
-@pytest.mark.parametrize("integrator", SMOOTH)
+@pytest.mark.parametrize(
+    "integrator", [pytest.param(name, marks=[pytest.mark.slow] * (name != "fixed")) for name in SMOOTH]
+)
 @pytest.mark.parametrize(
     "build", [pytest.param(two_discs, marks=pytest.mark.slow), pendulum_on_a_stop], ids=["discs", "pendulum"]
 )

@@ -108,12 +108,12 @@ HARD = (
 )
 
 
+@pytest.mark.parametrize("case", [HARD[0], *(pytest.param(one, marks=pytest.mark.slow) for one in HARD[1:])])
 @pytest.mark.parametrize("units", ["SI", *(pytest.param(one, marks=pytest.mark.slow) for one in UNITS if one != "SI")])
-def test_a_run_goes_on_and_says_so(units):
+def test_a_run_goes_on_and_says_so(units, case):
     kg, m, s = UNITS[units]
-    for case in HARD:
-        result = lf.simulate(funnel(kg=kg, m=m, s=s, discs=8, **case), 0.4 * s, lf.MoreauJean(1e-3 * s), progress=False)
-        assert is_right_or_says_so(result)
+    result = lf.simulate(funnel(kg=kg, m=m, s=s, discs=8, **case), 0.4 * s, lf.MoreauJean(1e-3 * s), progress=False)
+    assert is_right_or_says_so(result)
 
 
 def test_what_is_large_is_not_trusted():
