@@ -11,7 +11,7 @@ from lcpflex.contact.spatial.cylinder_pass import SIDE_OF
 from lcpflex.contact.spatial.entries import load_edge_by_rim, load_edge_by_side
 from lcpflex.contact.spatial.kinds import EDGE
 from lcpflex.contact.spatial.narrow_phase.cylinder import length_between
-from lcpflex.contact.spatial.narrow_phase.edges import END, TILT, edges_cross
+from lcpflex.contact.spatial.narrow_phase.edges import END, TILT, crossing_of, edges_cross
 from lcpflex.contact.spatial.narrow_phase.rim import rim_axis
 from lcpflex.contact.spatial.narrow_phase.rim_line import half_of, nearest_on_rim, towards
 from lcpflex.contact.spatial.narrow_phase.sides import frame_of, line_between, place_in, world_place
@@ -19,7 +19,7 @@ from lcpflex.contact.spatial.narrow_phase.turning import COINCIDENT
 from lcpflex.contact.spatial.pairs import locate
 from lcpflex.contact.spatial.table import SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
-from lcpflex.kinematics.spatial.rotations import Vector, cross
+from lcpflex.kinematics.spatial.rotations import Vector
 from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, scaled, turned
 from lcpflex.model.spatial import SpatialModel
 
@@ -31,10 +31,7 @@ def gap_of_side(y: Vector, e: Vector, a: Vector, length: float, radii: float) ->
     """Whether an edge e from y has a contact with the side, its sense and its gap [m]."""
     if not edges_cross(e, a):
         return False, 1.0, 0.0
-    n = cross(e, a)
-    size = norm(n)
-    n = scaled(1.0 / size, n)
-    s, t = -dot(y, cross(a, n)) / size, dot(y, cross(n, e)) / (size * length)
+    n, s, t = crossing_of(y, e, scaled(length, a))
     height = dot(n, y)
     within = s > END and s < 1.0 - END and t > END and t < 1.0 - END
     return within, 1.0 if height >= 0.0 else -1.0, abs(height) - radii

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from lcpflex.contact.spatial.entries import load_edges
 from lcpflex.contact.spatial.kinds import EDGE
-from lcpflex.contact.spatial.narrow_phase.edges import END, TILT, edges_cross
+from lcpflex.contact.spatial.narrow_phase.edges import END, TILT, crossing_of, edges_cross
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, frame_of, place_in, seen_from, world_place
 from lcpflex.contact.spatial.node_pass import THIN
 from lcpflex.contact.spatial.ownership import corners_of, facet_normal
@@ -120,13 +120,9 @@ def meets(e: Wedge, f: Wedge, margin: float, deepest: float, radii: float) -> fl
     """
     if not edges_cross(e.e, f.e):
         return 0.0
-    n = cross(e.e, f.e)
-    size = norm(n)
-    n = scaled(1.0 / size, n)
     y = apart_from(e.start, f.start)
+    n, s, t = crossing_of(y, e.e, f.e)
     height = dot(n, y)
-    s = -dot(y, cross(f.e, n)) / size
-    t = dot(y, cross(n, e.e)) / size
     if s <= END or s >= 1.0 - END or t <= END or t >= 1.0 - END:
         return 0.0
     sense = sense_of(e, f, n, height)

@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.contact.spatial.narrow_phase.cylinder import away_from_start, end_of, length_between
-from lcpflex.contact.spatial.narrow_phase.edges import END, TILT, edges_cross
+from lcpflex.contact.spatial.narrow_phase.edges import END, TILT, crossing_of, edges_cross
 from lcpflex.contact.spatial.narrow_phase.rim import rim_axis
 from lcpflex.contact.spatial.narrow_phase.rim_line import nearest_of_half, nearest_on_rim, towards
 from lcpflex.contact.spatial.narrow_phase.sides import (
@@ -72,11 +72,7 @@ def refresh_by_side(table: SpatialContactTable, k: int, y: Vector, e: Vector, a:
         table.foot[k, 0] = math.inf
         table.foot[k, 1] = math.inf
         return
-    n = cross(e, a)
-    size = norm(n)
-    n = scaled(1.0 / size, n)
-    table.foot[k, 0] = -dot(y, cross(a, n)) / size
-    table.foot[k, 1] = dot(y, cross(n, e)) / size
+    n, table.foot[k, 0], table.foot[k, 1] = crossing_of(y, e, a)
     set_entry(table, k, table.sense[k] * dot(n, y) - radii, scaled(table.sense[k], n), a)
 
 

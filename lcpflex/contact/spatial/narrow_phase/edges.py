@@ -27,7 +27,7 @@ from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, scaled, turned, turned_back
 from lcpflex.model.spatial import SpatialPoints
 
-__all__ = ["END", "PARALLEL", "TILT", "edges_cross", "edges_turning", "refresh_edges"]
+__all__ = ["END", "PARALLEL", "TILT", "crossing_of", "edges_cross", "edges_turning", "refresh_edges"]
 
 TILT = 0.02  # [rad] by which a normal may be off a wedge: faces that are less from parallel touch as such
 END = 1e-6  # of its length: an edge that is crossed so near its end touches with its vertex
@@ -38,6 +38,15 @@ PARALLEL = 1e-6  # sine of the angle below which two edges are no pair of their 
 def edges_cross(e: Vector, f: Vector) -> bool:
     """Whether two edges (in the same axes) are far enough from parallel to touch as two edges."""
     return norm(cross(e, f)) > PARALLEL * norm(e) * norm(f)
+
+
+@kernel
+def crossing_of(y: Vector, e: Vector, f: Vector) -> tuple[Vector, float, float]:
+    """n = e x f/|.| and the feet s, t where the line along e from y crosses that along f from 0, not parallel."""
+    n = cross(e, f)
+    size = norm(n)
+    n = scaled(1.0 / size, n)
+    return n, -dot(y, cross(f, n)) / size, dot(y, cross(n, e)) / size
 
 
 @kernel
@@ -58,12 +67,8 @@ def refresh_edges(points: SpatialPoints, q: FloatArray, i: Frame, j: Frame, tabl
         table.foot[k, 0] = math.inf
         table.foot[k, 1] = math.inf
         return
-    n = cross(e, f)
-    size = norm(n)
     sense = table.sense[k]
-    n = scaled(1.0 / size, n)
-    table.foot[k, 0] = -dot(y, cross(f, n)) / size
-    table.foot[k, 1] = dot(y, cross(n, e)) / size
+    n, table.foot[k, 0], table.foot[k, 1] = crossing_of(y, e, f)
     t = turned(j.A, scaled(1.0 / norm(f), f))
     set_entry(table, k, sense * dot(n, y) - radii, turned(j.A, scaled(sense, n)), t)
 
