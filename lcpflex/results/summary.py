@@ -12,6 +12,7 @@ from lcpflex.results.contact_history import CLOSED
 from lcpflex.results.energy_balance import ROUNDING as ROUNDED, lift_of
 from lcpflex.results.modal_coordinates import modal_coordinates
 from lcpflex.results.stated_error import error_shares, scene_size
+from lcpflex.steppers.scales import SUNK
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
@@ -25,7 +26,6 @@ UNEXPLAINED = 0.02  # energy that nobody can explain, relative to the largest st
 UNSOLVED = 1e-6  # natural-map residual of a contact problem, relative to its data
 LOOSE = 1e-4  # the same relative to the velocity that contacts would have without their forces
 COARSE = 0.02  # stated error of the steps, relative to the size of the scene or the largest speed
-SUNK = 1e-3  # penetration and joint drift, relative to the size of the scene
 STEPPED = 5e-3  # penetration that the stated error of the steps explains, likewise
 ROUNDING = 1e-12  # tangential impulse below this share of the normal one is none
 FINE = " Whether the step and the modes are fine enough, only a second run with finer ones shows."

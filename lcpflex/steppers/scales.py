@@ -25,7 +25,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.layout import PLANE, dimension, place_offsets, sums_of_contacts
 from lcpflex.steppers.system import System
 
-__all__ = ["Scales", "absolute_tolerance", "given_or", "scales_of", "usual_state"]
+__all__ = ["SUNK", "Scales", "absolute_tolerance", "given_or", "scales_of", "usual_state"]
 
 EPS = 2.0**-52
 GAP = 1e-9  # of the length: gaps up to that are closed
@@ -36,6 +36,7 @@ FEW_EVENTS = 1e-2  # of the duration takes the place of that time where V has co
 INSTANT = 1e-9  # of the time in which the length is passed, at most of the duration: the shortest step
 RESOLVED = 1e-13  # of the duration: no step is shorter, times would not tell it from none
 ABSOLUTE = 1e-2  # of the relative tolerance, times what is usual: the absolute one
+SUNK = 1e-3  # of the length: penetration and drift of joints that a result calls large
 USUAL = 1e-6  # relative tolerance that counts for it where it is 0
 
 

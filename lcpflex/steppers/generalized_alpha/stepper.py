@@ -40,14 +40,12 @@ from lcpflex.steppers.generalized_alpha.memory import AlphaScheme, alpha_scheme,
 from lcpflex.steppers.law_run import refuse_laws
 from lcpflex.steppers.options import keep_budget, keep_solver
 from lcpflex.steppers.run import Run
-from lcpflex.steppers.scales import given_or, scales_of
+from lcpflex.steppers.scales import SUNK, given_or, scales_of
 from lcpflex.steppers.start import started
 from lcpflex.steppers.system import System
 from lcpflex.steppers.time_stepping import Support, TimeStepping
 
 __all__ = ["GeneralizedAlpha"]
-
-SUNK = 1e-3  # of the largest body: penetration that a summary calls large
 
 
 def _unsettled(scheme: AlphaScheme, work: Workspace, steps: int | None) -> list[str]:
