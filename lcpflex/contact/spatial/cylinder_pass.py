@@ -20,10 +20,9 @@ from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.kinematics.spatial.vectors import apart_from
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["FEATURES", "nodes_on_cylinder"]
+__all__ = ["SIDE_OF", "nodes_on_cylinder"]
 
-FEATURES = 5  # of a cylinder: two rims, the side, two ends
-SIDE_OF, ENDS_OF = 2, 3  # where they begin
+SIDE_OF, ENDS_OF = 2, 3  # of the features of a cylinder the side and the ends: behind its two rims
 
 
 @kernel

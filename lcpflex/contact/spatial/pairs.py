@@ -56,9 +56,9 @@ from lcpflex.contact.spatial.table import (
     NODE_EDGE,
     NODE_FACET,
     NODE_POINT,
-    NODE_SIDE,
     RIM_FACET,
     SpatialContactTable,
+    by_cylinder,
 )
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
@@ -110,12 +110,6 @@ def locate(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: in
         refresh_cylinder(points, q, i, j, table, k)
     else:
         refresh_edge_by_cylinder(points, q, i, j, table, k)
-
-
-@kernel
-def by_cylinder(table: SpatialContactTable, k: int) -> bool:
-    """Whether entry k is that of a node or edge with a part of a cylinder: its kinds are the last ones."""
-    return table.kind[k] >= NODE_SIDE
 
 
 @kernel
@@ -231,7 +225,7 @@ def turning_of(
         return point_turning(frames[1], motions[1], table, k, n, t, dv)
     if kind >= EDGE_SIDE:
         return edge_by_cylinder_turning(points, q, u, frames, motions, table, k, n, t, dv)
-    if kind >= NODE_SIDE:
+    if by_cylinder(table, k):
         return cylinder_turning(points, q, u, frames, motions, table, k, n, t, dv)
     return edges_turning(points, q, u, frames, motions, table, k, n, t, dv)
 

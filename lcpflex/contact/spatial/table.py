@@ -38,6 +38,7 @@ __all__ = [
     "NODE_SIDE",
     "RIM_FACET",
     "SpatialContactTable",
+    "by_cylinder",
     "copy_entry",
     "side_of",
     "spatial_contact_table",
@@ -121,6 +122,12 @@ def copy_entry(source: SpatialContactTable, i: int, target: SpatialContactTable,
     for c in range(2):
         target.foot[j, c] = source.foot[i, c]
         target.body[j, c] = source.body[i, c]
+
+
+@kernel
+def by_cylinder(table: SpatialContactTable, k: int) -> bool:
+    """Whether entry k is that of a node or edge with a part of a cylinder: its kinds are the last ones."""
+    return table.kind[k] >= NODE_SIDE
 
 
 @kernel

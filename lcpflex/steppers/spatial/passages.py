@@ -13,9 +13,9 @@ from lcpflex.contact.spatial.table import (
     NODE_CAP,
     NODE_FACET,
     NODE_RIM,
-    NODE_SIDE,
     RIM_FACET,
     SpatialContactTable,
+    by_cylinder,
 )
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import compose, conjugate, exponential, logarithm, unit
@@ -61,7 +61,7 @@ def depth_of_entry(model: SpatialModel, table: SpatialContactTable, k: int) -> f
         if table.radius[k, 0] > 0.0 or table.radius[k, 1] > 0.0:
             return float(table.radius[k, 1])
         return min(reach, depth[table.key[k] // count - len(model.contacts.node_point)])
-    if table.kind[k] != NODE_FACET and table.kind[k] < NODE_SIDE and table.radius[k, 1] >= 0.0:
+    if table.kind[k] != NODE_FACET and not by_cylinder(table, k) and table.radius[k, 1] >= 0.0:
         reach = min(reach, table.radius[k, 1])
     return reach
 
@@ -111,7 +111,7 @@ def crosses(
             refresh(model, q, table, k)
             if inside(model, q, table, k) >= -SPAN_TOLERANCE:
                 return True
-        if table.kind[k] < NODE_SIDE or inside(model, q, table, k) >= -SPAN_TOLERANCE:  # else beside a cylinder
+        if not by_cylinder(table, k) or inside(model, q, table, k) >= -SPAN_TOLERANCE:  # else beside a cylinder
             deepest = min(deepest, f)
     if is_wall(table, k):
         return False
