@@ -67,7 +67,7 @@ def residual_parts(M: FloatArray, q: FloatArray, z: FloatArray, n: int) -> tuple
     ``max_i |min(d_i z_i, w_i)|`` with d_i the largest |M_ij| of the row (1 for a zero row),
     ``max_i (|q_i| + sum_j |M_ij z_j|)`` and ``max_i |q_i|``, all in the units of q.
     """
-    return _parts(M, q, z, n, n < 0, z)
+    return _parts(M, q, z, n, False, z)
 
 
 @kernel
@@ -120,7 +120,7 @@ def weigh(M: FloatArray, q: FloatArray, z: FloatArray, n: int, w: FloatArray) ->
 
     M (cap, cap), q, z and w (cap,): the leading n x n block and the first n entries count. Out: w.
     """
-    worst, size, load = _parts(M, q, z, n, n >= 0, w)
+    worst, size, load = _parts(M, q, z, n, True, w)
     if worst == np.inf:
         return np.inf, np.inf
     return guarded_residual(worst, size, load), strict_residual(worst, load)

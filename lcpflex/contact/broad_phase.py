@@ -12,8 +12,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from lcpflex.contact.bounds import above_half_plane
 from lcpflex.contact.rule_pairs import FIRST_MULTIPLIER, LEVELS, SECOND_MULTIPLIER, RulePairs, may_meet
 from lcpflex.contact.table import ContactTable
@@ -158,7 +156,7 @@ def near_pairs(model: Model, table: ContactTable, margin: float) -> int:
     """
     pairs = table.pairs
     finest, end = fill_cells(model, table, margin)
-    n = int(np.int64(0))  # no literal: for it alone kernels would be compiled once more
+    n = 0
     for i in range(len(pairs.level)):
         if pairs.level[i] >= 0:
             for level in range(pairs.level[i], end):

@@ -7,8 +7,6 @@ other, pairs of surfaces under a rule are found by where they are (:mod:`lcpflex
 
 from __future__ import annotations
 
-import numpy as np
-
 from lcpflex.contact.bounds import bound, near_surfaces
 from lcpflex.contact.passes import detect_pass
 from lcpflex.contact.rule_detection import detect_rule
@@ -50,11 +48,10 @@ def detect(model: Model, q: FloatArray, margin: float, table: ContactTable) -> i
     """
     bound(model, q, table)
     c = model.contacts
-    n = int(np.int64(0))  # a literal 0 would have the kernels below compiled once more, for it alone
-    begin = int(np.int64(0))
+    n, begin = 0, 0
     if len(c.rule_rank) > 0:
         begin = c.rule_pass[0]
-        n = detect_declared(model, q, margin, table, int(np.int64(0)), begin, n)
+        n = detect_declared(model, q, margin, table, 0, begin, n)
         if table.collects != COMPLIANT:
             n = detect_rule(model, q, margin, table, n)
     return detect_declared(model, q, margin, table, begin, len(c.pass_node), n)

@@ -10,8 +10,6 @@ laws themselves are in :mod:`lcpflex.force_laws`; what contacts remember of thei
 
 from __future__ import annotations
 
-import numpy as np
-
 from lcpflex.contact.concave_corners import yield_to_deeper
 from lcpflex.contact.detection import ContactTable, detect
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
@@ -302,10 +300,9 @@ def add_impulses(contacts: CompliantContacts, first: int, out: FloatArray) -> No
 def mobility(contacts: CompliantContacts, r: int) -> float:
     """Diagonal G_rr of the Delassus operator [1/kg], whose M^-1 row is known; without joints: not less than with."""
     total = 0.0
-    first = int(np.int64(0))  # a literal would have dot compiled once more
     for i in range(2):
         if contacts.row_body[r, i] >= 0:
-            total += dot(contacts.rows[r, i], contacts.solved[r, i], first, contacts.rows.shape[2])
+            total += dot(contacts.rows[r, i], contacts.solved[r, i], 0, contacts.rows.shape[2])
     return total
 
 

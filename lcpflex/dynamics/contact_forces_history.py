@@ -118,7 +118,7 @@ def factor_joints(model: Model, t: float, q: FloatArray, u: FloatArray, work: Wo
     joint_rows(
         model, t, q, u, work.external, contacts.rows, contacts.row_body, contacts.bias[0], contacts.bias[1]
     )  # fmt: skip
-    solve_rows(model, contacts, 0 * n_joint, n_joint)  # a literal would have kernels compiled once more
+    solve_rows(model, contacts, 0, n_joint)
     factorise_joints(contacts)
 
 

@@ -10,8 +10,6 @@ Joints are condensed by :mod:`lcpflex.dynamics.joint_response`.
 
 from __future__ import annotations
 
-import numpy as np
-
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.semidefinite import dot
 
@@ -27,7 +25,6 @@ __all__ = [
 def delassus(rows: FloatArray, solved: FloatArray, row_body: IntArray, part: IntArray, n: int, G: FloatArray) -> None:
     """G[a, b] = rows_r . A^-1 rows_s for r, s = part[a], part[b] and a, b < n; the blocks of equal bodies only."""
     width = rows.shape[2]
-    start = int(np.int64(0))  # a literal would have dot compiled once more
     for a in range(n):
         r = part[a]
         for b in range(a + 1):
@@ -38,7 +35,7 @@ def delassus(rows: FloatArray, solved: FloatArray, row_body: IntArray, part: Int
                     continue
                 for j in range(2):
                     if row_body[r, i] == row_body[s, j]:
-                        total += dot(rows[r, i], solved[s, j], start, width)
+                        total += dot(rows[r, i], solved[s, j], 0, width)
             G[a, b] = total
             G[b, a] = total
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.solvers.semidefinite import REDUNDANT
 
@@ -178,7 +178,7 @@ def find_held(
         of.held[b] = 1 if enough and rank(of, rows, solved, row_body, b, width) == width else 0
 
 
-@kernel
+@late_kernel
 def rank(of: Islands, rows: FloatArray, solved: FloatArray, row_body: IntArray, b: int, width: int) -> int:
     """Independent ones of the joint rows between body b and the ground, in the metric A^-1: at most ``width``."""
     base = of.base

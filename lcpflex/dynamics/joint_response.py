@@ -16,12 +16,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.inertia import Arrow
 from lcpflex.dynamics.workspace import Rows
-from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.semidefinite import dot
@@ -37,12 +35,11 @@ CORRECTIONS = 3  # of an answer, at most
 def row_product(work: Rows, r: int, i: int, s: int) -> float:
     """Block i of rows_r with A^-1 rows_s."""
     total = 0.0
-    start = int(np.int64(0))  # a literal would have dot compiled once more
     b = work.row_body[r, i]
     if b >= 0:
         for j in range(2):
             if work.row_body[s, j] == b:
-                total += dot(work.rows[r, i], work.solved[s, j], start, work.rows.shape[2])
+                total += dot(work.rows[r, i], work.solved[s, j], 0, work.rows.shape[2])
     return total
 
 
@@ -66,7 +63,6 @@ def assemble_joints(work: Rows) -> None:
     factor, rows, solved, row_body = work.joints.factor, work.rows, work.solved, work.row_body
     order, start, column, value = factor.order, factor.start, factor.column, factor.value
     width = rows.shape[2]
-    first = int(np.int64(0))  # a literal would have dot compiled once more
     for place in range(len(order)):
         for e in range(start[place], start[place + 1]):
             r = max(order[place], order[column[e]])
@@ -83,7 +79,7 @@ def assemble_joints(work: Rows) -> None:
                         part = rows[r, i, 0] * solved[s, j, 0] + rows[r, i, 1] * solved[s, j, 1]
                         total += part + rows[r, i, 2] * solved[s, j, 2]
                     else:
-                        total += dot(rows[r, i], solved[s, j], first, width)
+                        total += dot(rows[r, i], solved[s, j], 0, width)
             value[e] = total
 
 
@@ -115,8 +111,7 @@ def missed(work: Rows, b: FloatArray, x: FloatArray) -> float:
         change[k] = 0.0
     for i in range(len(order)):
         joints.impulses[order[i]] = x[i]
-    first = int(np.int64(0))  # a literal would have kernels compiled once more
-    apply_impulses(work.solved, row_body, first, len(order), joints.impulses, dof, change)
+    apply_impulses(work.solved, row_body, 0, len(order), joints.impulses, dof, change)
     worst = 0.0
     largest = 0.0
     for i in range(len(order)):
@@ -129,7 +124,7 @@ def missed(work: Rows, b: FloatArray, x: FloatArray) -> float:
     return worst / largest if largest > 0.0 else 0.0
 
 
-@kernel
+@late_kernel
 def correct(work: Rows, b: FloatArray) -> None:
     """Correct the answer ``joints.x`` to the rates b by solving for what is left of them."""
     joints = work.joints

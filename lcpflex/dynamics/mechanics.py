@@ -19,7 +19,7 @@ from lcpflex.dynamics.inertia import (
 )
 from lcpflex.dynamics.whitening import whiten_rows as whiten
 from lcpflex.dynamics.workspace import Rows, Workspace
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
@@ -104,7 +104,7 @@ def solve_rows(model: Model, work: Rows, first: int, last: int) -> None:
 
 
 @in_space("lcpflex.dynamics.spatial.mechanics")
-@kernel
+@late_kernel
 def whiten_rows(model: Model, work: Workspace, first: int, last: int) -> None:
     """white[r] <- L^-1 rows[r] for first <= r < last, L L^T = A."""
     whiten(model.bodies, work.arrow, work.rows, work.row_body, first, last, work.white)

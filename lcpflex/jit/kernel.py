@@ -8,14 +8,17 @@ called by others, not copied into them (:mod:`lcpflex.jit.thin`).
 
 from __future__ import annotations
 
+import os
 import types
 from collections.abc import Callable
+from functools import update_wrapper
+from threading import RLock
 from typing import Any, TypeVar, cast
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["FloatArray", "IntArray", "interpreted", "kernel", "late_kernel"]
+__all__ = ["FloatArray", "IntArray", "Kernel", "interpreted", "kernel", "late_kernel"]
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -31,7 +34,7 @@ def kernel(function: F) -> F:
     vectorised, and what is not finite is judged once, where a result is. The plain Python source stays reachable as
     ``function.py_func``.
     """
-    return _compiled(function, late=False)
+    return function if _only_python() else cast(F, Kernel(function, late=False))
 
 
 def late_kernel(function: F) -> F:
@@ -40,23 +43,84 @@ def late_kernel(function: F) -> F:
     For what many runs do not need. Its annotation tells what it returns: None, bool, int, float or a tuple. Calls of
     it are never compiled into their callers.
     """
-    return _compiled(function, late=True)
+    return function if _only_python() else cast(F, Kernel(function, late=True))
 
 
-def _compiled(function: F, late: bool) -> F:
+def _only_python() -> bool:
+    """Whether numba is told by its environment not to compile; it need not be loaded to know."""
+    return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
+
+
+class Kernel:
+    """A function and, from its first use on, numba's dispatcher of it.
+
+    A program loads a thousand kernels and uses some hundred: to make a dispatcher takes longer than to read the source
+    of its function, and what numba itself loads takes a third of a second.
+
+    Attributes
+    ----------
+    py_func
+        The plain Python function.
+    late
+        Whether compiled code calls it without having it compiled; see :func:`late_kernel`.
+    made
+        The dispatcher. All that a kernel has no attribute for is asked of it.
+    """
+
+    def __init__(self, function: Callable[..., Any], late: bool) -> None:
+        update_wrapper(self, function)
+        self.py_func = function
+        self.late = late
+        self._made: Any = None
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        """What the compiled function returns."""
+        return (self._made or self.made)(*args, **kwargs)
+
+    @property
+    def made(self) -> Any:
+        """The dispatcher: one only, for threads that ask at the same time as well."""
+        if self._made is None:
+            with _making:
+                if self._made is None:
+                    self._made = _dispatcher(self.py_func, self.late)
+        return self._made
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What numba asks of a value that a function names: its type is that of the dispatcher."""
+        return self.made._numba_type_
+
+    def __getattr__(self, name: str) -> Any:
+        """What dispatchers have; Python's own questions (``__path__`` and others) make none."""
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return getattr(self.made, name)
+
+    def __reduce__(self) -> str:
+        """Pickled by its name."""
+        return self.py_func.__qualname__
+
+
+_making = RLock()
+
+
+def _dispatcher(function: Callable[..., Any], late: bool) -> Any:
+    """What compiles ``function``; the function itself where numba is told by its file of settings not to compile."""
     import numba
 
     if numba.config.DISABLE_JIT:
         return function
+    import lcpflex.jit.leaf_type  # noqa: F401  (what numba must know of leaves)
     from lcpflex.jit.private import why_not_thin
 
     if reason := why_not_thin():
-        return cast(F, _linked_by_numba(function, reason))
+        return _linked_by_numba(function, reason)
     from lcpflex.jit.late import LateDispatcher
     from lcpflex.jit.thin_dispatcher import ThinDispatcher
 
     kind = LateDispatcher if late else ThinDispatcher
-    return cast(F, kind(function, {"nopython": True, "boundscheck": None, **OPTIONS}))
+    return kind(function, {"nopython": True, "boundscheck": None, **OPTIONS})
 
 
 def _linked_by_numba(function: Callable[..., Any], reason: str) -> Any:

@@ -9,6 +9,7 @@ A file with another key is never looked at; an edit of a kernel changes its key 
 from __future__ import annotations
 
 import hashlib
+import inspect
 import re
 import sys
 import types
@@ -148,7 +149,7 @@ def _own(function: Any, structs: frozenset[str]) -> tuple[str, list[Any]]:
             if all(map(_is_own, reached)):
                 called += [source for source in reached if not source.__module__.startswith(COMPILERS)]
                 values[name] = [
-                    (type(kernel).__qualname__, source.__module__, source.__qualname__, _result(source))
+                    (getattr(kernel, "late", False), source.__module__, source.__qualname__, _result(source))
                     for kernel, source in zip(chosen, reached, strict=True)
                 ]
             else:
@@ -202,4 +203,5 @@ def _of_code(code: types.CodeType, doc: str | None = None) -> str:
     if doc is not None and constants[0] == doc:
         plain = plain[1:]
     names = code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars
-    return derived(code.co_code, code.co_exceptiontable, code.co_flags, code.co_argcount, names, plain)
+    flags = code.co_flags | inspect.CO_OPTIMIZED  # numba clears it to show a kernel to a profiler
+    return derived(code.co_code, code.co_exceptiontable, flags, code.co_argcount, names, plain)

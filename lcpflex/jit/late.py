@@ -132,11 +132,13 @@ def compile_all() -> None:
 def _address(call: str) -> Any:
     """Of the machine code of a late kernel."""
     module, name, kinds = pickle.loads(zlib.decompress(base64.b64decode(late_calls[call])))
-    dispatcher = getattr(importlib.import_module(module), name)
+    found = getattr(importlib.import_module(module), name)
+    dispatcher = getattr(found, "default", found).made  # of a leaf, the kernel that it was declared with
     dispatcher.compile(kinds)
     result = dispatcher.overloads[kinds]
-    if result.signature.return_type != dispatcher.result:
-        raise TypeError(f"{module}.{name} returns {result.signature.return_type}, not {dispatcher.result}")
+    returned = result.signature.return_type
+    if getattr(returned, "dtype", returned) != dispatcher.result:  # a member of an enumeration is its number, as bits
+        raise TypeError(f"{module}.{name} returns {returned}, not {dispatcher.result}")
     return result.library.get_pointer_to_function(result.fndesc.llvm_func_name)
 
 

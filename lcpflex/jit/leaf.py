@@ -127,12 +127,12 @@ class Leaf(Generic[P, R]):
 
 def leaf(declared: Callable[P, R]) -> Leaf[P, R]:
     """A function without code of its own: each kind of struct must have a kernel for it."""
-    return _known_to_numba(Leaf(declared))
+    return Leaf(declared)
 
 
 def optional_leaf(declared: Callable[P, R]) -> Leaf[P, R]:
     """A function whose code serves all kinds of structs that have no kernel for it."""
-    return _known_to_numba(Leaf(declared, kernel(declared)))
+    return Leaf(declared, kernel(declared))
 
 
 def in_space(module: str) -> Callable[[Callable[P, R]], Leaf[P, R]]:
@@ -141,7 +141,7 @@ def in_space(module: str) -> Callable[[Callable[P, R]], Leaf[P, R]]:
     _modules.add(module)
 
     def declare(planar: Callable[P, R]) -> Leaf[P, R]:
-        return _known_to_numba(Leaf(getattr(planar, "py_func", planar), planar, module))
+        return Leaf(getattr(planar, "py_func", planar), planar, module)
 
     return declare
 
@@ -150,9 +150,3 @@ def load_space() -> None:
     """Load the kernels of space of all leaves so far: where Python functions stand in for some, all must be known."""
     for module in sorted(_modules):
         import_module(module)
-
-
-def _known_to_numba(made: Leaf[P, R]) -> Leaf[P, R]:
-    import lcpflex.jit.leaf_type  # noqa: F401  (numba is loaded by the first kernel)
-
-    return made

@@ -34,7 +34,7 @@ class LeafType(types.Callable, types.Dummy):
     def _dispatcher(self, arguments: Any) -> Any:
         """The type of the kernel for arguments of these types."""
         chosen: Any = self.leaf.chosen(getattr(argument, "label", "") for argument in arguments)
-        return types.Dispatcher(chosen)
+        return chosen._numba_type_
 
 
 @typeof_impl.register(Leaf)  # type: ignore[untyped-decorator]

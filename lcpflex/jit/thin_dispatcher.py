@@ -14,6 +14,7 @@ from lcpflex.jit import loading, thin
 from lcpflex.jit.cache import KernelCache, keep, read_anywhere
 from lcpflex.jit.kernel_file import KernelFile
 from lcpflex.jit.keys import derived, machines
+from lcpflex.jit.plain import without_literals
 from lcpflex.jit.thin import ThinCompiler, ThinLibrary
 
 __all__ = ["ThinDispatcher"]
@@ -39,6 +40,10 @@ class ThinDispatcher(CPUDispatcher):  # type: ignore[misc]
             self.overloads[tuple(cres.signature.args)] = cres
         else:
             super().add_overload(cres)
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """What a caller that is compiled must know."""
+        return super().get_call_template(*without_literals(args, kws))
 
     def compile(self, sig: Any) -> Any:
         """The overload for argument types, by the name that callers find it under."""

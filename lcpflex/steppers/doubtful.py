@@ -8,7 +8,7 @@ it is of another kind than the one before: other sets, another sign of what is f
 from __future__ import annotations
 
 from lcpflex.dynamics.workspace import DOUBTFUL_CONTACTS, DOUBTFUL_KINDS, Workspace
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.solvers.contact.compiled import motion_of
 
 __all__ = ["keep_doubtful"]
@@ -45,7 +45,7 @@ def keep_doubtful(work: Workspace, t: float) -> None:
         work.n_doubtful += 1
 
 
-@kernel
+@late_kernel
 def write_problem(work: Workspace, t: float, row: FloatArray) -> None:
     """Time, sizes, laws, friction, free velocities, Delassus operator and forces, one after the other."""
     n = work.problem.n_contacts

@@ -17,7 +17,7 @@ from lcpflex.dynamics.large_island import (
     restore_free,
 )
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.jit.kernel import kernel
+from lcpflex.jit.kernel import kernel, late_kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.solvers.contact.compiled import solve_contacts
 from lcpflex.solvers.contact.large.fronts import lacks_room
@@ -69,7 +69,7 @@ def tell_island(work: Workspace, i: int) -> None:
     """Island i was solved in the velocities of its bodies; in a run that keeps contact problems, it is told of it."""
 
 
-@kernel
+@late_kernel
 def solve_large_island(work: Workspace, i: int, tolerance: float, last: bool, recorder: Recorder) -> int:
     """Impulses of the contacts of island i to ``work.p``; DONE, GROW, or SOLVER_FAILED where that is to be told.
 
@@ -173,7 +173,7 @@ def shorten_dense(work: Workspace, i: int) -> None:
         work.p[n_joint + work.part[r]] = work.bias[r]
 
 
-@kernel
+@late_kernel
 def shorten_large(work: Workspace, i: int) -> bool:
     """The same of island i in the velocities of its bodies, not solved again; what was not solved stays as it is.
 

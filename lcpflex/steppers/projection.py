@@ -13,7 +13,7 @@ from lcpflex.dynamics.joint_response import solve_joints
 from lcpflex.dynamics.large_island import describe_island, is_large
 from lcpflex.dynamics.mechanics import displace, supply
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.model.arrays import Model
@@ -135,7 +135,7 @@ def lift_island(model: Model, work: Workspace, i: int, q: FloatArray) -> bool:
     return True
 
 
-@kernel
+@late_kernel
 def lift_large_island(model: Model, work: Workspace, i: int, m: int, q: FloatArray) -> bool:
     """Lift the m contacts ``work.closed`` of a large island, its joints held: without friction, in place of impulses.
 

@@ -51,8 +51,7 @@ def assemble(data: ContactData, memory: SolverMemory) -> None:
         for j in range(data.n_tangents):
             memory.tangent_of[data.tangent[j]] = j
         G, free = memory.alike, memory.load  # written anew below
-        both = n >= 0  # a literal would have it compiled once more
-        n_stick = reduce_columns(data, data.mode, memory.tangent_of, both, both, memory.stick, G, free)
+        n_stick = reduce_columns(data, data.mode, memory.tangent_of, True, True, memory.stick, G, free)
     memory.n_stick = n_stick
     memory.size = assemble_friction_lcp(G, free, data.friction, memory.stick, n, n_stick, memory.M, memory.q)
     if data.shifted == 1:  # the unknown is then lambda_N - least
@@ -207,7 +206,7 @@ def solve_normals(data: ContactData, chosen: IntArray, x: FloatArray, m: int, me
         memory.q[i] = x[i]
         for j in range(m):
             memory.M[i, j] = data.delassus[chosen[i], chosen[j]]
-    symmetric, warm = m > 0, m < 0  # true and false; literals would have it compiled once more
+    symmetric, warm = True, False
     status, _ = auto(memory.M, memory.q, m, memory.z, memory.tableau, memory.basis, symmetric, warm)
     for i in range(m):
         x[i] = memory.z[i]

@@ -77,14 +77,14 @@ def sweep_delassus(
     free (m,), friction (n,); tangent_of (n,): tangential row of each contact, -1 without friction; forces (m,) and
     states (n,) are advanced in place. Ends early once the change is ``target`` or less.
     """
-    m, n, change = len(free), len(friction), np.inf  # 0 * m: a literal would have dot compiled once more
+    m, n, change = len(free), len(friction), np.inf
     made = 0
     while made < sweeps and change > target:
         change = 0.0
         for k in range(n):
             row = G[k]
             p = forces[k]
-            r_n = dot(row, forces, 0 * m, m) + free[k] - row[k] * p
+            r_n = dot(row, forces, 0, m) + free[k] - row[k] * p
             t = tangent_of[k]
             if t < 0:
                 new = max(0.0, -r_n / row[k]) if row[k] > 0.0 else 0.0
@@ -93,7 +93,7 @@ def sweep_delassus(
                 side = G[t]
                 q = forces[t]
                 r_n -= row[t] * q
-                r_t = dot(side, forces, 0 * m, m) + free[t] - side[k] * p - side[t] * q
+                r_t = dot(side, forces, 0, m) + free[t] - side[k] * p - side[t] * q
                 new, rub, state = solve_contact(row[k], row[t], side[k], side[t], r_n, r_t, friction[k])
                 states[k] = state
                 change = max(change, abs(side[t] * (rub - q)))
@@ -230,7 +230,7 @@ def _take_point(
         t = tangent_of[k]
         if t >= 0:
             z[t] = forces[t] + friction[k] * forces[k]
-            z[m - n + t] = max(-dot(G[t], forces, 0 * m, m) - free[t], 0.0)
+            z[m - n + t] = max(-dot(G[t], forces, 0, m) - free[t], 0.0)
 
 
 @kernel

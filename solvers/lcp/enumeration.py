@@ -114,10 +114,10 @@ def enumerate_active_sets(
     ``enumeration_workspace(cap)``.
     """
     kept, undecided = 0, 0
-    z, complete = table[n + 1, :n], n >= 0  # a literal would have it compiled once more
+    z = table[n + 1, :n]
     for code in range(1 << n):
         m = _load(M, q, n, code, table, order)
-        rank = eliminate(table, order, m, complete, SINGULAR)
+        rank = eliminate(table, order, m, True, SINGULAR)
         if rank < m:
             left, right = 0.0, 0.0
             for k in range(m):

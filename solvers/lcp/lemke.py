@@ -162,7 +162,7 @@ def _path(
     Out: the candidate z and the direction of a ray in their rows of the table; basis[:n] = 1 where z is basic.
     """
     true, shifted = table[n + TRUE], table[n + SHIFTED]
-    pivots, restarts, status, s, waiting = 0, 0, ITERATION_LIMIT, n, min(n, 0)  # a literal would compile callees twice
+    pivots, restarts, status, s, waiting = 0, 0, ITERATION_LIMIT, n, 0
     while pivots < pivot_limit:
         waiting = exchange(table, n, r, s, waiting)
         pivots += 1
@@ -268,13 +268,12 @@ def lexicographic_attempt(
     M: FloatArray, q: FloatArray, n: int, table: FloatArray, basis: IntArray, pivot_limit: int
 ) -> tuple[int, int, float]:
     """As :func:`attempt`, without a perturbation, ties broken lexicographically."""
-    none = min(n, 0)  # a literal would compile callees twice
-    _scale(M, n, none + 2, table)
-    r, load = _start(M, q, n, table, basis, none, 0.0)
+    _scale(M, n, 2, table)
+    r, load = _start(M, q, n, table, basis, 0, 0.0)
     if r < 0:
         return NUMERICAL_FAILURE, 0, np.inf
     status, pivots, s = lexicographic_path(table, basis, n, pivot_limit)
-    _read_off(table, basis, n, s, none, load, status)
+    _read_off(table, basis, n, s, 0, load, status)
     return status, pivots, judge(M, q, table[n + CANDIDATE], n, table[n])
 
 

@@ -28,9 +28,9 @@ def solve_active(M: FloatArray, q: FloatArray, n: int, z: FloatArray, table: Flo
     basis[:n] is 1 on A, else 0. Unknowns in excess of the rank of M_AA are set to zero and taken out of A. Overwrites
     basis[n:2n] and table[:n + 1, :n + 1].
     """
-    m, rank = min(n, 0), min(n, 0)  # literals would compile what they are given to once more
+    m, rank = 0, 0
     for complete in (False, True):
-        m = min(n, 0)
+        m = 0
         for i in range(n):
             z[i] = 0.0
             if basis[i] == 1:

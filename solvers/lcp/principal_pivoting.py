@@ -256,7 +256,7 @@ def block_exchanges(
         if not warm:
             basis[i] = 1 if q[i] < 0.0 else 0
     fewest, patience, pivots = n + 1, PATIENCE, 0
-    m, singly = min(n, 0), patience < 0  # no literals: they would compile what they are given to once more
+    m, singly = 0, False
     while pivots < pivot_limit and patience >= 0:
         m = _exchange(M, n, factor, basis, m)
         size = _solve_active(M, q, n, z, factor, basis, m)
@@ -283,7 +283,7 @@ def single_exchanges(
     """The second phase, from where the first one ended; arguments as of :func:`principal_pivoting`."""
     for i in range(n):
         basis[2 * n + i] = 0
-    m, singly, pivots = min(n, 0), n >= 0, 0
+    m, singly, pivots = 0, True, 0
     while pivots < pivot_limit:
         m = _exchange(M, n, factor, basis, m)
         size = _solve_active(M, q, n, z, factor, basis, m)

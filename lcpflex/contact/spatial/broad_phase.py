@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from lcpflex.bodies.spatial.surface import TOUCHES
 from lcpflex.contact.broad_phase import (
     LEVEL_MULTIPLIER,
@@ -142,7 +140,7 @@ def near_pairs(model: SpatialModel, q: FloatArray, table: SpatialContactTable, m
     """
     pairs = table.pairs
     finest, end = fill_cells(model, table, margin)
-    n = int(np.int64(0))  # no literal: for it alone kernels would be compiled once more
+    n = 0
     for i in range(len(pairs.level)):
         if pairs.level[i] >= 0:
             for level in range(pairs.level[i], end):

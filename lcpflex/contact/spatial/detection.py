@@ -7,8 +7,6 @@ after the other, pairs of surfaces under a rule are found by where they are.
 
 from __future__ import annotations
 
-import numpy as np
-
 from lcpflex.bodies.spatial.surface import EDGES
 from lcpflex.contact.rule_pairs import MORE_LAWS
 from lcpflex.contact.spatial.bounds import bound, near_surfaces
@@ -59,11 +57,10 @@ def detect(model: SpatialModel, q: FloatArray, margin: float, table: SpatialCont
     """
     bound(model, q, table)
     c = model.contacts
-    n = int(np.int64(0))  # a literal 0 would have the kernels below compiled once more, for it alone
-    begin = int(np.int64(0))
+    n, begin = 0, 0
     if len(c.rule_rank) > 0:
         begin = c.rule_pass[0]
-        n = detect_declared(model, q, margin, table, int(np.int64(0)), begin, n)
+        n = detect_declared(model, q, margin, table, 0, begin, n)
         if table.collects != COMPLIANT:
             n = detect_rule(model, q, margin, table, n)
             if n == MORE_LAWS:

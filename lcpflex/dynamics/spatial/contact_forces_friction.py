@@ -14,8 +14,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
 from lcpflex.dynamics.contact_forces import add_contact_forces, add_force, mobility
 from lcpflex.dynamics.contact_forces_friction import HALVINGS, SETTLED, SWEEPS, fold, free_velocities
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
@@ -124,10 +122,9 @@ def recall(contacts: SpatialWork, k: int) -> Pair:
 def own_block(contacts: SpatialWork, r: int, h: float) -> Block:
     """h G_TT of the rows r and r + 1, with the joints, whose M^-1 rows are known."""
     mixed = 0.0
-    first = int(np.int64(0))  # a literal would have dot compiled once more
     for i in range(2):
         if contacts.row_body[r, i] >= 0:
-            mixed += dot(contacts.rows[r, i], contacts.solved[r + 1, i], first, contacts.rows.shape[2])
+            mixed += dot(contacts.rows[r, i], contacts.solved[r + 1, i], 0, contacts.rows.shape[2])
     own, other = mobility(contacts, r), mobility(contacts, r + 1)
     if contacts.n_joint > 0:
         other -= respond(contacts, r + 1)

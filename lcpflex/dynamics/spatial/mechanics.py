@@ -8,7 +8,7 @@ from lcpflex.dynamics.spatial.applied_forces import applied_forces, spring_energ
 from lcpflex.dynamics.spatial.body_forces import elastic_forces, inertial_forces, stored_energies, weight_forces
 from lcpflex.dynamics.spatial.inertia import SpatialWork, factorise as factorise_bodies
 from lcpflex.dynamics.spatial.inertia_solve import multiply as multiply_block, solve_block, whiten
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.kinematics.spatial.configuration import advance
 from lcpflex.model.spatial import SpatialModel
 
@@ -77,7 +77,7 @@ def solve_rows(model: SpatialModel, work: SpatialWork, first: int, last: int) ->
                 solve_block(model.bodies, work.arrow, b, rows[r, i], solved[r, i])
 
 
-@kernel
+@late_kernel
 def whiten_rows(model: SpatialModel, work: SpatialWork, first: int, last: int) -> None:
     """white[r] <- L^-1 rows[r] for first <= r < last, L L^T = A."""
     for r in range(first, last):

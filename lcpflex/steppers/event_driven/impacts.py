@@ -289,7 +289,7 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
         elif memory.nudging == 1:
             for k in range(n):
                 work.free[work.n_joint + k] -= settings.velocity_threshold  # an approach assumed where there is none
-    warm = last = n < 0  # literals would have it compiled once more
+    warm = last = False
     if solve_strike(work, memory.sets, memory.time, settings.tolerance, warm, last, recorder) != RunStatus.DONE:
         memory.number = work.number
         return UNSOLVED

@@ -223,7 +223,7 @@ def choose(model: Model, settings: EventSettings, work: Workspace, memory: Event
         sort_tangents(settings, n, work, memory, u)
         pose_sets(work, memory.sets)
         memory.several_now = 0
-    warm = n < 0  # a literal would have it compiled once more
+    warm = False
     while n > 0 and islands.next < islands.count:
         status = solve_on_sets(work, memory.sets, islands.next, settings.tolerance, warm, recorder)
         if status != RunStatus.DONE:

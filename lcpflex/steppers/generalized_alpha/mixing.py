@@ -7,8 +7,6 @@ residuals. Source: Anderson 1965; Walker & Ni 2011.
 
 from __future__ import annotations
 
-import numpy as np
-
 from lcpflex.dynamics.mechanics import multiply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
@@ -38,7 +36,6 @@ def mix(model: Model, work: Workspace, scheme: AlphaScheme) -> None:
     column = mixing.count % depth
     mixing.count += 1
     used = min(mixing.count, depth)
-    first = int(np.int64(0))  # a literal would have dot compiled once more
     for i in range(n):
         fault = work.free_u[i] - scheme.w_new[i]
         faults[column, i] = fault - mixing.fault[i]
@@ -47,9 +44,9 @@ def mix(model: Model, work: Workspace, scheme: AlphaScheme) -> None:
         mixing.answer[i] = work.free_u[i]
     multiply(model, scheme.q_new, faults[column], work, weighted[column])
     for j in range(used):
-        share[j] = dot(weighted[j], mixing.fault, first, n)
+        share[j] = dot(weighted[j], mixing.fault, 0, n)
         for k in range(j + 1):
-            mixing.products[j, k] = dot(weighted[j], faults[k], first, n)
+            mixing.products[j, k] = dot(weighted[j], faults[k], 0, n)
     cholesky(mixing.products, used, mixing.factor)
     cholesky_solve(mixing.factor, used, share)
     for i in range(n):

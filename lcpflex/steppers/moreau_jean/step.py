@@ -323,7 +323,7 @@ def moreau_jean_step(
         clock.number = predict(model, scheme, t, work)
         if clock.number > len(work.table.key):
             return RunStatus.GROW
-    warm = last = t == t  # a literal would have the kernels below compiled once more
+    warm = last = True
     status = solve_islands(work, t, scheme.tolerance, warm, last, recorder)
     if status != RunStatus.DONE:
         clock.number = work.number

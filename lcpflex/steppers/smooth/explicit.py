@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from lcpflex.dynamics.acceleration import project
 from lcpflex.dynamics.contact_forces import mobility, pair_place, states_of_friction
 from lcpflex.dynamics.contact_forces_history import note_depths, onset, roundings, update_history
@@ -191,8 +189,7 @@ def close_step(
     if len(work.residual) > 0:
         q = memory.y[:nq]
         u = memory.y[nq:base]
-        none = int(np.int64(0))  # a literal would have the kernel compiled once more
-        drift = project(model, memory.time, q, u, none, True, work, memory.sets)
+        drift = project(model, memory.time, q, u, 0, True, work, memory.sets)
         recorder.counts.worst_drift = max(recorder.counts.worst_drift, drift[0])
     total = 0.0
     for i in range(base):

@@ -12,8 +12,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.contact_forces import (
     add_force,
@@ -100,13 +98,12 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smooth
     add_contacts(work.compliant, base, work.free_u, out)
     solve_vector(model, work, work.free_u)
     if n_joint > 0:
-        first = int(np.int64(0))  # a literal would have kernels compiled once more
-        solve_rows(model, work, first, n_joint)
+        solve_rows(model, work, 0, n_joint)
         for r in range(n_joint):
             work.p[r] = -(row_velocity(work.rows, work.row_body, r, work.dof, work.free_u) + work.bias[r])
         factorise_joints(work)
         solve_joints(work, work.p)
-        apply_impulses(work.solved, work.row_body, first, n_joint, work.p, work.dof, work.free_u)
+        apply_impulses(work.solved, work.row_body, 0, n_joint, work.p, work.dof, work.free_u)
         for r in range(n_joint):
             if work.rate[r] != 0.0:
                 out[base + WORK] += work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)

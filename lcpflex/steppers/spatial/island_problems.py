@@ -15,7 +15,7 @@ from lcpflex.dynamics.spatial.cone_sweeps import judge_island, sweep_island
 from lcpflex.dynamics.spatial.contact_problem import describe_island, has_joints, pose_island, take_forces
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.least_cones import shorten_island
-from lcpflex.jit.kernel import kernel
+from lcpflex.jit.kernel import kernel, late_kernel
 from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, solve_cones
 from lcpflex.solvers.contact.cones.large.solving import ROOM, solve_large_cones
 from lcpflex.solvers.contact.cones.memory import NOTHING_KNOWN, POSED
@@ -105,7 +105,7 @@ def solve_in_bodies(work: SpatialWork, i: int) -> bool:
     n = work.islands.start[i + 1] - work.islands.start[i]
     describe_island(work, i)
     memory.size, memory.iterations = 3 * n, 0.0
-    return sweep_island(work, i, FIRST_SWEEPS, n < 0)  # a literal would have it compiled once more
+    return sweep_island(work, i, FIRST_SWEEPS, False)
 
 
 @kernel
@@ -115,7 +115,7 @@ def begin_joints(work: SpatialWork, warm: bool) -> None:
         work.p[r] = work.recalled[r] if warm else 0.0
 
 
-@kernel
+@late_kernel
 def solve_large(work: SpatialWork, i: int, warm: bool) -> int:
     """Island i, of many contacts, by Newton's method from the forces ``work.p``: DONE, GROW or SOLVER_FAILED."""
     large, memory = work.large_solver, work.solver
@@ -180,7 +180,7 @@ def solve_island(work: SpatialWork, i: int, tolerance: float, warm: bool, record
         begin_island(work, i, warm)
         if memory.method != POSED and work.lifted == 0:
             if not has_joints(work, i) and solve_in_bodies(work, i):
-                return go_on(work, i, n >= 0, recorder)
+                return go_on(work, i, True, recorder)
             if is_large(work, i):
                 status = solve_large(work, i, warm)
                 if status == RunStatus.GROW:

@@ -9,7 +9,7 @@ from lcpflex.dynamics.spatial.contact_problem import describe_island, has_joints
 from lcpflex.dynamics.spatial.delassus import push, speeds
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.mechanics import displace
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.model.spatial import SpatialModel
 from lcpflex.solvers.contact.cones.large.solving import ROOM, solve_large_cones
 from lcpflex.steppers.projection import begin_lift, end_lift
@@ -86,7 +86,7 @@ def lift_once(work: SpatialWork, i: int, m: int, held: bool) -> float:
     return largest
 
 
-@kernel
+@late_kernel
 def lift_in_bodies(model: Any, work: SpatialWork, i: int, m: int, q: FloatArray) -> bool:
     """Lift the m contacts ``work.closed`` of a large island, its joints held, by the solver of large islands.
 

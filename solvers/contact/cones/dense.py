@@ -229,7 +229,6 @@ def solve_cones(data: SpatialContactData, memory: SpatialSolverMemory) -> int:
         return SOLVED if memory.residual <= memory.tolerance else ITERATION_LIMIT
     if known == SOLUTION_KNOWN and memory.residual <= memory.tolerance:
         return SOLVED
-    yes = memory.size >= 0  # a literal would have it compiled once more
-    if sweep_on(data, memory, FIRST_SWEEPS, not yes) or newton_on(data, memory):
+    if sweep_on(data, memory, FIRST_SWEEPS, False) or newton_on(data, memory):
         return SOLVED
-    return SOLVED if sweep_on(data, memory, memory.iterations + SWEEPS, yes) else ITERATION_LIMIT
+    return SOLVED if sweep_on(data, memory, memory.iterations + SWEEPS, True) else ITERATION_LIMIT

@@ -209,7 +209,6 @@ def solve(memory: LargeMemory, factor: SparseFactor, x: FloatArray) -> None:
     pos = memory.pos
     order, size, pool, values, swap = factor.order, factor.size, factor.pool, factor.values, factor.swap
     z = factor.gathered
-    start = int(0 * factor.n_nodes)  # a literal would have dot compiled once more
     for turn in range(2):
         for at in range(factor.n_nodes):
             s = at if turn == 0 else factor.n_nodes - 1 - at
@@ -233,7 +232,7 @@ def solve(memory: LargeMemory, factor: SparseFactor, x: FloatArray) -> None:
             else:
                 for c in range(pivots - 1, -1, -1):
                     row = entry + c * width
-                    rest = dot(values[row + c + 1 : row + width], z, start + c + 1, width - c - 1)
+                    rest = dot(values[row + c + 1 : row + width], z, c + 1, width - c - 1)
                     z[c] = (z[c] - rest) / values[row + c]
             end = 0
             for e in range(factor.node_first[s], factor.node_first[s + 1]):

@@ -15,7 +15,20 @@ from tests.unit.jit.tiny_kernels import LOW, jobs, package
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are started in another way")
 
-ALL = ["held", "held", "held", "middle", "small", "top"]  # three overloads of `held`, two of them by literals
+ALL = ["held", "held", "held", "middle", "small", "top"]  # three overloads of `held`: for an int, a float, a bool
+
+
+LITERALS = """
+from lcpflex.jit.kernel import kernel
+
+@kernel
+def share(n, whole):
+    return 1.0 * n if whole else 0.5 * n
+
+@kernel
+def calls(n):
+    return share(1, True) + share(n, True) + share(6, whole=False) + share(2, n < 0)
+"""
 
 
 class Filled:
@@ -65,6 +78,20 @@ def test_files(filled: Filled) -> None:
     assert sum(file is not None and file.big for file in kept) >= 4
     names = [name for file in kept if file is not None for name in file.defined if "NumbaEnv" not in name]
     assert len(names) == len(set(names)) == len(kept)  # each has one function for others
+
+
+def test_a_literal_is_a_number_like_any_other(filled: Filled, tmp_path: Path) -> None:
+    """A callee is compiled for the type of what it is given, not once more for each number that is written there."""
+    (filled.sources / "tiny_literals.py").write_text(LITERALS)
+    hidden = "private.why_not_thin = lambda: 'hidden'\n"
+    before = "from lcpflex.tiny_literals import calls\n"
+    runs, _ = jobs(
+        filled.sources,
+        case(tmp_path / "one", before=before, value="calls(2)"),
+        case(tmp_path / "two", before=hidden + before, value="calls(2)"),
+    )
+    assert [sorted(run["compiled"]) for run in runs] == 2 * [["calls", "share"]]
+    assert runs[0]["value"] == runs[1]["value"] == (1.0 + 2.0 + 3.0 + 1.0).hex()
 
 
 def test_a_filled_folder_is_enough(filled: Filled, tmp_path: Path) -> None:

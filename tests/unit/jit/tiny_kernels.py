@@ -34,7 +34,7 @@ def middle(x):
 
 @kernel
 def top(x, n):
-    return held(x, 0) + held(x, 1) + held(x, n) + middle(x)
+    return held(x, 0.0) + held(x, True) + held(x, n) + middle(x)
 """
 
 # Each case runs in a process of its own: a fork of one that has numba and has compiled nothing.

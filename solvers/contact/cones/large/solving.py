@@ -86,9 +86,8 @@ def swept_newton(memory: SpatialLargeMemory, sweeps: int, eps: float, factors: i
     """Sweeps from the best point, which find states that Newton's method does not, and that one again."""
     if memory.factors >= memory.allowed:
         return False
-    yes = sweeps >= 0  # a literal would have it compiled once more
     take_over(memory, memory.best, memory.q)
-    return sweep_and_look(memory, sweeps, yes) or newton(memory, eps, factors)
+    return sweep_and_look(memory, sweeps, True) or newton(memory, eps, factors)
 
 
 @kernel
@@ -105,10 +104,9 @@ def rests(memory: SpatialLargeMemory) -> bool:
 def sweep_share(memory: SpatialLargeMemory, share: int) -> bool:
     """Sweeps from the best point that take as long as ``share`` factors, which the budget then lacks."""
     count = int(min(share * (memory.factor.work / sweep_work(memory) + BESIDES), 1e6))
-    yes = count >= 0
     take_over(memory, memory.best, memory.q)
     memory.allowed -= share
-    return sweep_and_look(memory, count, yes)
+    return sweep_and_look(memory, count, True)
 
 
 @kernel
