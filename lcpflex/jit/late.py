@@ -137,7 +137,9 @@ def _address(call: str) -> Any:
     dispatcher.compile(kinds)
     result = dispatcher.overloads[kinds]
     returned = result.signature.return_type
-    if getattr(returned, "dtype", returned) != dispatcher.result:  # a member of an enumeration is its number, as bits
+    if isinstance(returned, types.IntEnumMember):
+        returned = returned.dtype  # which is the same in the machine
+    if returned != dispatcher.result:
         raise TypeError(f"{module}.{name} returns {returned}, not {dispatcher.result}")
     return result.library.get_pointer_to_function(result.fndesc.llvm_func_name)
 
