@@ -7,9 +7,10 @@ from typing import Any
 
 from numba.core.caching import _Cache
 
+from lcpflex.jit import background
 from lcpflex.jit.cache_folders import PATH_VARIABLE, cache_folders, keeper, say_once
 from lcpflex.jit.file_lock import FileLock
-from lcpflex.jit.kernel_file import KernelFile, read, thin_out, write
+from lcpflex.jit.kernel_file import ENDING, KernelFile, read, thin_out, write
 from lcpflex.jit.keys import key_of, machines
 
 __all__ = ["KernelCache", "keep", "lost", "read_anywhere"]
@@ -75,6 +76,7 @@ class KernelCache(_Cache):  # type: ignore[misc]
         keys = list(self._keys(sig, target_context.codegen()))
         loaded = self._load(keys, target_context)
         if loaded is None:
+            background.assist()
             self._locks.append(self._lock(keys))
             loaded = self._load(keys, target_context)  # by another process in the meantime
             if loaded is None:
@@ -82,6 +84,22 @@ class KernelCache(_Cache):  # type: ignore[misc]
                 if self._remark:
                     say_once(self._remark)
         return loaded
+
+    def has(self, arguments: tuple[Any, ...]) -> bool:
+        """Whether a folder has the kernel for argument types."""
+        return any((folder / (key + ENDING)).exists() for key in self._own_keys(arguments) for folder in cache_folders())
+
+    def is_missing(self, arguments: tuple[Any, ...]) -> bool:
+        """Whether no folder has the kernel for argument types, and no process compiles it."""
+        if self.has(arguments):
+            return False
+        folder, keys = keeper(), self._own_keys(arguments)
+        return folder is None or not keys or not FileLock(folder / f"{keys[0]}.lock").is_held()
+
+    def _own_keys(self, arguments: tuple[Any, ...]) -> list[str]:
+        from numba.core.registry import cpu_target
+
+        return list(self._keys(arguments, cpu_target.target_context.codegen()))
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a compiled kernel; the run goes on where that cannot be."""
@@ -152,7 +170,8 @@ def keep(file: KernelFile) -> bool:
     if folder is None:
         return False
     try:
-        write(file, folder)
+        with background.writing:
+            write(file, folder)
         if not _thinned:
             _thinned = True
             thin_out(folder)

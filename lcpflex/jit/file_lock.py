@@ -9,7 +9,7 @@ from pathlib import Path
 
 __all__ = ["FileLock"]
 
-PAUSE = 0.02, 0.25  # between two tries [s]: the first one and the longest
+PAUSE = 0.02, 0.05  # between two tries [s]: the first one and the longest
 
 
 class FileLock:
@@ -54,6 +54,14 @@ class FileLock:
             pass
         os.close(self._file)
         self._file = -1
+
+    def is_held(self) -> bool:
+        """Whether a process has the lock now."""
+        if not self._path.exists():
+            return False
+        free = self._tried()
+        self.release()
+        return not free
 
     def _tried(self) -> bool:
         """Whether the lock is held after one try."""

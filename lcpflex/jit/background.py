@@ -1,0 +1,140 @@
+"""A second process that compiles while the first one does, from the other end of the list of kernels.
+
+Numba compiles one kernel at a time in a process, whatever threads it has. Where another core is free, the first kernel
+of a run that is missing starts a second process, which takes the list for this kind of run
+(:mod:`lcpflex.jit.manifest`) from its end and puts what it compiles into the folder of kernels. The first process goes
+on as without it, and finds there what is done, or waits for what is under way. Both make the same files, bit for bit,
+and a process that dies leaves none that is not whole: the other one compiles what is missing.
+"""
+
+from __future__ import annotations
+
+import atexit
+import json
+import os
+import subprocess
+import sys
+from threading import RLock, Thread
+from typing import IO, Any
+
+from lcpflex.jit.cache_folders import cache_folders, say_once, use_only
+
+__all__ = ["VARIABLE", "assist", "compile_list", "expect", "writing"]
+
+VARIABLE = "LCPFLEX_COMPILERS"  # processes that compile for one: 1, or 2 whatever else the machine does
+START = (
+    "import json, sys; job = json.loads(sys.argv[1]); sys.path[:] = job['path']; "
+    "from lcpflex.jit.background import serve; serve(job)"
+)
+FREE = 0.75  # of a core, by the load of the last minute: the process that asks has used part of one itself
+PATIENCE = 10.0  # for the end of a process that was told to end [s]
+
+writing = RLock()  # held while a file is written: the process does not end there
+_expected = ""  # the kind of run under way
+_started: list[subprocess.Popen[bytes]] = []
+
+
+def expect(run: str) -> None:
+    """Tell of what kind the next run is: the list that a second process would compile."""
+    global _expected
+    _expected = run
+
+
+def assist() -> None:
+    """Start the second process if a run is under way, its kernels are missing, and a core is free; once."""
+    global _expected
+    run, _expected = _expected, ""
+    if run and not _started and _may_start() and _is_missing(run):
+        start(run)
+
+
+def start(run: str = "") -> subprocess.Popen[bytes] | None:
+    """A process that compiles the kernels of a kind of run, of all kinds if it is empty; None where there can be none.
+
+    It ends by itself, and with this process.
+    """
+    job = {"path": sys.path, "run": run, "folders": [str(folder) for folder in cache_folders()]}
+    flags = ["-" + "O" * sys.flags.optimize] if sys.flags.optimize else []
+    try:
+        process = subprocess.Popen(
+            [sys.executable, *flags, "-c", START, json.dumps(job)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            env={**os.environ, VARIABLE: "1"},
+            start_new_session=True,  # Ctrl-C is for the first process
+        )
+    except (OSError, ValueError):
+        return None
+    if not _started:
+        atexit.register(_end)
+    _started.append(process)
+    say_once("a second process compiles beside this one")
+    return process
+
+
+def _may_start() -> bool:
+    """Whether a second process is wanted, and has a core of its own."""
+    wish = os.environ.get(VARIABLE, "")
+    if wish in ("1", "2"):
+        return wish == "2"
+    if not sys.executable or getattr(sys, "frozen", False):
+        return False
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
+    return cores >= 2 and cores - load >= FREE
+
+
+def _is_missing(run: str) -> bool:
+    """Whether the last kernel of a list, which all the others are for, is in none of the folders."""
+    from lcpflex.jit.manifest import entries_of
+
+    try:
+        entries = entries_of(run)
+        return bool(entries) and not entries[-1].dispatcher()._cache.has(entries[-1].arguments)
+    except Exception:  # an entry that no longer holds
+        return True
+
+
+def _end() -> None:
+    """End the second process with this one."""
+    for process in _started:
+        if process.stdin is not None:
+            process.stdin.close()
+        try:
+            process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+    _started.clear()
+
+
+def serve(job: dict[str, Any]) -> None:
+    """What the second process does: it ends when the first one has, or when the list is done."""
+    Thread(target=_watch, args=(sys.stdin.buffer,), daemon=True).start()
+    if job["folders"] != [str(folder) for folder in cache_folders()]:
+        from pathlib import Path
+
+        use_only(Path(job["folders"][0]))
+    compile_list(job["run"], backwards=True)
+
+
+def _watch(pipe: IO[bytes]) -> None:
+    """Wait until the first process closes the pipe, as its end does; then end, but not within a file."""
+    pipe.read()
+    with writing:
+        os._exit(0)
+
+
+def compile_list(run: str = "", backwards: bool = False) -> None:
+    """Compile the kernels of a kind of run, of all kinds if it is empty, but for those that are there or under way."""
+    from lcpflex.jit.manifest import all_entries, entries_of
+
+    entries = entries_of(run) if run else all_entries()
+    for entry in reversed(entries) if backwards else entries:
+        try:
+            dispatcher = entry.dispatcher()
+            if dispatcher._cache.is_missing(entry.arguments):
+                dispatcher.compile(entry.arguments)
+        except Exception:  # an entry that no longer holds
+            continue

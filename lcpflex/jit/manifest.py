@@ -1,0 +1,126 @@
+"""Kernels and argument types that a kind of run is known to compile: a list, shipped with the package.
+
+Numba finds out what a kernel calls, and with which types, while it compiles it. Who wants to compile the second half
+of a run's kernels before its first half is done must be told. The list is made by ``tests/record_manifest.py`` from
+runs with an empty cache; it names the larger kernels, which bring what they call with them. An entry that no longer
+holds, because a kernel or a struct has changed since, costs the time to compile what nobody needs, and nothing else.
+
+The file is JSON. A type is ``int64``, ``float64``, ``bool``, an array as ``float64[:,:]C`` (with r where it is read
+only, u where it is not aligned), a tuple as ``tuple(int64,float64)``, or the name of one of ``structs``. A kernel is
+``module:name`` and its types; ``runs`` has them by kind of run, in the order in which they are first done.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numba
+
+from lcpflex.jit.leaf import Leaf
+from lcpflex.jit.struct_type import PackedType, packed_type
+
+__all__ = ["Entry", "Types", "all_entries", "entries_of"]
+
+FILE = Path(__file__).with_name("manifest.json")
+NUMBERS = {"int64": numba.types.int64, "float64": numba.types.float64, "bool": numba.types.boolean}
+
+
+class Entry(NamedTuple):
+    """A kernel by module and name, and the types of its arguments."""
+
+    module: str
+    name: str
+    arguments: tuple[Any, ...]
+
+    def dispatcher(self) -> Any:
+        """What compiles it; of a leaf, the kernel that it was declared with."""
+        found = getattr(import_module(self.module), self.name)
+        return (found.default if isinstance(found, Leaf) else found).made
+
+
+class Types:
+    """Types in words and back.
+
+    Attributes
+    ----------
+    structs
+        The fields of structs in words, by the name that the list has for them.
+    """
+
+    def __init__(self, structs: dict[str, list[list[str]]]) -> None:
+        self.structs = structs
+        self._names: dict[Any, str] = {}  # of types that were told
+        self._made: dict[str, Any] = {}
+
+    def told(self, kind: Any) -> str:
+        """A type in words; ``structs`` learns new ones.
+
+        Raises
+        ------
+        ValueError
+            For a type that the list has no words for.
+        """
+        if isinstance(kind, PackedType):
+            if kind not in self._names:
+                fields = [[name, self.told(part)] for name, part in kind.fields]
+                name, same = kind.label, sum(known.partition("#")[0] == kind.label for known in self.structs)
+                self._names[kind] = name if same == 0 else f"{name}#{same + 1}"
+                self.structs[self._names[kind]] = fields
+            return self._names[kind]
+        if isinstance(kind, numba.types.Array):
+            marks = ("" if kind.mutable else "r") + ("" if kind.aligned else "u")
+            return f"{self.told(kind.dtype)}[{','.join(':' * kind.ndim)}]{kind.layout}{marks}"
+        if isinstance(kind, numba.types.UniTuple | numba.types.Tuple) and all(str(part) in NUMBERS for part in kind):
+            return f"tuple({','.join(map(self.told, kind))})"
+        if str(kind) not in NUMBERS:
+            raise ValueError(str(kind))
+        return str(kind)
+
+    def made(self, words: str) -> Any:
+        """The type that was told so."""
+        if words not in self._made:
+            self._made[words] = self._make(words)
+        return self._made[words]
+
+    def _make(self, words: str) -> Any:
+        if words in NUMBERS:
+            return NUMBERS[words]
+        if words.startswith("tuple("):
+            return numba.types.BaseTuple.from_types([self.made(part) for part in words[6:-1].split(",")])
+        if words.endswith(("C", "F", "A", "r", "u")) and "]" in words:
+            number, _, rest = words.partition("[")
+            axes, _, marks = rest.partition("]")
+            return numba.types.Array(
+                NUMBERS[number], axes.count(":"), marks[0], readonly="r" in marks, aligned="u" not in marks
+            )
+        fields = tuple((name, self.made(part)) for name, part in self.structs[words])
+        return packed_type(words.partition("#")[0], fields)
+
+
+@cache
+def _read() -> tuple[dict[str, list[str]], Types]:
+    """Kernels in words by kind of run, and the types that they name."""
+    known = json.loads(FILE.read_text()) if FILE.is_file() else {"runs": {}, "structs": {}}
+    return known["runs"], Types(known["structs"])
+
+
+def entries_of(run: str) -> list[Entry]:
+    """The kernels of a kind of run, in the order in which they are first done; none for one that is not listed."""
+    runs, types = _read()
+    return [_entry(words, types) for words in runs.get(run, ())]
+
+
+def all_entries() -> list[Entry]:
+    """Those of all kinds, each once."""
+    runs, types = _read()
+    return [_entry(words, types) for words in dict.fromkeys(words for run in runs.values() for words in run)]
+
+
+def _entry(words: str, types: Types) -> Entry:
+    place, *kinds = words.split()
+    module, _, name = place.partition(":")
+    return Entry(module, name, tuple(map(types.made, kinds)))
