@@ -7,6 +7,7 @@ convergence  rates, of steps, tolerances, modes and meshes
 property     random scenes, problems and calls (fuzz), judged by what must always hold
 failures     where methods fail: each such scene, and a method that gets it right
 benchmarks   ratios of speeds; not collected by a plain ``pytest``
+comparison   what ``tests/compare.py`` is made of, which compares two checkouts scene by scene; no tests
 
 Between processes: file by file, because fixtures are dear; examples one by one.
 """
