@@ -63,7 +63,9 @@ class Laid:
         n_joint = len(work.residual)
         if n_joint:
             u = np.zeros_like(self.system.u)
-            joint_rows(model, 0.0, self.q, u, work.external, work.rows, work.row_body, work.rate, work.bias)
+            joint_rows(
+                model, 0.0, self.q, u, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias
+            )
         tangent = 0
         for k, touch in enumerate(self.touches):
             n_k = np.asarray(touch.normal, dtype=float) / np.linalg.norm(touch.normal)

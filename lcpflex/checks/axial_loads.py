@@ -196,7 +196,8 @@ class _Forces:
         self._arrow = arrow(len(bodies.mass), len(bodies.stiffness))
         self._loads = [(b, x, pack(compiled.model._replace(loads=one))) for b, x, one in _single(compiled, beams)]
         count, width = int(compiled.model.joints.row[-1]), int(np.diff(bodies.dof).max())
-        self._rows = np.zeros((count, 2, width)), np.zeros((count, 2), dtype=np.int64), np.zeros(count), np.zeros(count)
+        rows = np.zeros((count, 2, width)), np.zeros((count, 2), dtype=np.int64), np.zeros((count, N_RIGID))
+        self._rows = *rows, np.zeros(count), np.zeros(count)
         self._stretching = np.concatenate([_stretching(compiled, b) for b in beams])
 
     def at(self, result: Result, k: int) -> tuple[FloatArray, dict[int, Pulls]] | None:
@@ -270,12 +271,12 @@ class _Forces:
         self, t: float, q: FloatArray, u: FloatArray, external: FloatArray, force: FloatArray, pulls: dict[int, Pulls]
     ) -> FloatArray:
         """udot (ndof,); adds the reactions of the joints to the pulls."""
-        model, (rows, owner, rate, bias) = self._model, self._rows
+        model, (rows, owner, wrench, rate, bias) = self._model, self._rows
         points, joints, dof = self._compiled.model.points, self._compiled.model.joints, self._compiled.model.bodies.dof
         factorise(model.bodies, q, 0.0, 0.0, self._arrow)
         if not len(rate):
             return self._solved(force)
-        joint_rows(model, t, q, u, external, rows, owner, rate, bias)
+        joint_rows(model, t, q, u, external, rows, owner, wrench, rate, bias)
         J = np.zeros((len(rate), len(q)))
         for r, side in np.argwhere(owner >= 0).tolist():
             b = int(owner[r, side])

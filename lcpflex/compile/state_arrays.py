@@ -206,7 +206,7 @@ class _Instant:
         if r:
             joint_residual(model, t, self._q, work.external, phi)
             joint_rows(
-                model, t, self._q, self._u, work.external, work.rows, work.row_body, work.rate, work.bias
+                model, t, self._q, self._u, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias
             )  # fmt: skip
             self._check_functions()
         J = self._dense(work.rows[:r], work.row_body[:r])

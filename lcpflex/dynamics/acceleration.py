@@ -115,7 +115,7 @@ def lay_rows(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
     supply(model, t, q, u, work)
     factorise(model, q, 0.0, 0.0, work)
     if n_joint > 0:
-        joint_rows(model, t, q, u, work.external, work.rows, work.row_body, work.rate, work.bias)
+        joint_rows(model, t, q, u, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias)
     for k in range(n):
         refresh(model, q, work.table, k)
     n_tangent = fill_contact_rows(model, q, n, n_joint, work)

@@ -37,6 +37,7 @@ class CompliantContacts:
     rows: FloatArray = array("rows", 2, "width")
     solved: FloatArray = array("rows", 2, "width")  # M^-1 rows
     row_body: IntArray  # (rows, 2)
+    wrench: FloatArray = array("joints", "reaction")  # of joint rows, as in a workspace; scratch
     mu: FloatArray = array("contacts")
     tangent: IntArray = array("tangents")  # the contact that each tangential row belongs to
     bias: FloatArray = array(2, "joints")  # scratch
@@ -84,6 +85,7 @@ def compliant_contacts(
     n = len(joints.answer)
     each = 3 if in_space else 2  # rows of a contact
     sizes = {"joints": n, "rows": n + each * (capacity + 1) - 1, "width": width, "contacts": capacity}
+    sizes |= {"reaction": 6 if in_space else 3}
     vector = 3 if in_space else 1  # numbers of a friction force that are kept from step to step: world axes
     sizes |= {"tangents": (each - 1) * capacity, "forces": each, "known": 1 + vector, "lasting": 2 + vector}
     sizes |= {"states": 4 if in_space else 2}

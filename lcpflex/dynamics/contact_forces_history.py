@@ -115,9 +115,8 @@ def factor_joints(model: Model, t: float, q: FloatArray, u: FloatArray, work: Wo
     """Rows of the joints at q, M^-1 times them, and the factor of J M^-1 J^T; M as it was factorised last."""
     contacts = work.compliant
     n_joint = contacts.n_joint
-    joint_rows(
-        model, t, q, u, work.external, contacts.rows, contacts.row_body, contacts.bias[0], contacts.bias[1]
-    )  # fmt: skip
+    rows, wrench, bias = contacts.rows, contacts.wrench, contacts.bias
+    joint_rows(model, t, q, u, work.external, rows, contacts.row_body, wrench, bias[0], bias[1])
     solve_rows(model, contacts, 0, n_joint)
     factorise_joints(contacts)
 

@@ -6,6 +6,9 @@ A row prescribes a coordinate c with cdot = g.(rdot_P - rdot_Q) + g_P alphadot_P
     the force  F = lambda g       on the body of P, at P,    -F on the body of Q,
     the moment M = lambda g_P     on the body of P, and -M on that of Q, if its force is taken to act at P, too.
 
+:func:`lcpflex.kinematics.joint_rows.joint_rows` keeps (g, g_P) of each row where it lays the row, so that a kind of
+coordinate makes a reaction by what moves it, and nothing here asks for kinds.
+
 Where joints are redundant, those of the least norm are taken: :mod:`lcpflex.dynamics.least_reactions`.
 """
 

@@ -38,21 +38,6 @@ GOLDEN = 0.6180339887498949
 
 
 @kernel
-def lay_wrenches(model: Model, work: Workspace, reactions: Reactions) -> None:
-    """``reactions.wrench``: the reaction to a multiplier 1 of each row."""
-    unit, row, wrench = reactions.rows, model.joints.row, reactions.wrench
-    for r in range(len(unit)):
-        unit[r] = 0.0
-    for joint in range(len(reactions.mean)):
-        for r in range(row[joint], row[joint + 1]):
-            unit[r] = 1.0
-            force = reaction(model, work, joint, unit)
-            for i in range(len(force)):
-                wrench[r, i] = force[i]
-            unit[r] = 0.0
-
-
-@kernel
 def products(a: FloatArray, b: FloatArray) -> tuple[float, float]:
     """Of the forces of two reactions, and of their moments."""
     n = len(a)
@@ -66,10 +51,10 @@ def products(a: FloatArray, b: FloatArray) -> tuple[float, float]:
 
 
 @kernel
-def weight(reactions: Reactions, r: int, s: int) -> float:
-    """W[r, s] of two rows of one joint."""
-    force, moment = products(reactions.wrench[r], reactions.wrench[s])
-    return force + moment / (reactions.size * reactions.size)
+def weight(work: Workspace, size: float, r: int, s: int) -> float:
+    """W[r, s] of two rows of one joint, L = ``size`` [m]."""
+    force, moment = products(work.wrench[r], work.wrench[s])
+    return force + moment / (size * size)
 
 
 @kernel
@@ -80,7 +65,7 @@ def factorise_weighted(work: Workspace, reactions: Reactions) -> float:
     assemble_joints(work)
     mean, count = 0.0, 0
     for i in range(len(order)):
-        own, unit = value[start[i + 1] - 1], weight(reactions, order[i], order[i])
+        own, unit = value[start[i + 1] - 1], weight(work, reactions.size, order[i], order[i])
         if own > 0.0 and unit > 0.0:
             mean += math.log(own / unit)
             count += 1
@@ -89,7 +74,7 @@ def factorise_weighted(work: Workspace, reactions: Reactions) -> float:
         for e in range(start[i], start[i + 1]):
             r, s = order[i], order[column[e]]
             if owner[r] == owner[s]:
-                value[e] += scale * weight(reactions, r, s)
+                value[e] += scale * weight(work, reactions.size, r, s)
     factorise_sparse(factor)
     return scale
 
@@ -109,7 +94,7 @@ def without_effect(model: Model, work: Workspace, scale: float, p: FloatArray, r
             r = order[i]
             load[i] = 0.0
             for s in range(row[owner[r]], row[owner[r] + 1]):
-                load[i] += scale * weight(reactions, r, s) * part[s]
+                load[i] += scale * weight(work, reactions.size, r, s) * part[s]
         solve_sparse(factor, load)
         before = moved
         moved = 0.0
@@ -140,7 +125,7 @@ def multipliers(model: Model, work: Workspace, reactions: Reactions) -> None:
 
     Zero of joints whose forces no step has told.
     """
-    p, row, wrench, left = reactions.rows, model.joints.row, reactions.wrench, reactions.change
+    p, row, wrench, left = reactions.rows, model.joints.row, work.wrench, reactions.change
     for joint in range(len(reactions.mean)):
         for r in range(row[joint], row[joint + 1]):
             p[r] = 0.0
@@ -168,7 +153,7 @@ def mark(model: Model, work: Workspace, scale: float, reactions: Reactions) -> b
     p, part = reactions.rows, reactions.least
     for r in range(len(p)):
         p[r] = 0.5 + (GOLDEN * r) % 1.0
-        force, moment = products(reactions.wrench[r], reactions.wrench[r])
+        force, moment = products(work.wrench[r], work.wrench[r])
         if moment > 0.0 and force == 0.0:
             p[r] *= reactions.size
     converged = without_effect(model, work, scale, p, reactions)
@@ -189,7 +174,6 @@ def take_least(model: Model, work: Workspace, reactions: Reactions) -> None:
 
     Where the turns do not converge, all are marked and stay as they are.
     """
-    lay_wrenches(model, work, reactions)
     scale = factorise_weighted(work, reactions)
     if mark(model, work, scale, reactions):
         p, part = reactions.rows, reactions.least

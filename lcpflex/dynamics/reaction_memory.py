@@ -13,7 +13,6 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import allocate, array, struct
-from lcpflex.kinematics.relative import ANGLE
 from lcpflex.model.arrays import Joints, Model
 from lcpflex.model.spatial import SpatialJoints
 
@@ -43,7 +42,6 @@ class Reactions:
     )  # 1: contacts may take a part of the reaction; until the instant is stored
     reached: IntArray = array("bodies")  # scratch: 1 where impulses of an impact of the present step pass
     owner: IntArray  # (rows,) joint that each row belongs to
-    wrench: FloatArray = array("rows", "reaction")  # scratch: of a multiplier 1 of each row
     rows: FloatArray = array("rows")  # scratch
     least: FloatArray = array("rows")
     load: FloatArray = array("rows")
@@ -70,17 +68,11 @@ def reactions(joints: Joints | SpatialJoints, bodies: int, size: float, rates: i
 @kernel
 def reaction(model: Model, work: Workspace, joint: int, p: FloatArray) -> tuple[float, float, float]:
     """(F_x, F_y, M) of one joint with the multipliers p of all rows, by the rows laid."""
-    rows, row_body, joints = work.rows, work.row_body, model.joints
     x, y, moment = 0.0, 0.0, 0.0
-    for r in range(joints.row[joint], joints.row[joint + 1]):
-        if joints.kind[r] == ANGLE:
-            moment += p[r]
-        elif row_body[r, 0] >= 0:
-            x += p[r] * rows[r, 0, 0]
-            y += p[r] * rows[r, 0, 1]
-        else:
-            x -= p[r] * rows[r, 1, 0]
-            y -= p[r] * rows[r, 1, 1]
+    for r in range(model.joints.row[joint], model.joints.row[joint + 1]):
+        x += p[r] * work.wrench[r, 0]
+        y += p[r] * work.wrench[r, 1]
+        moment += p[r] * work.wrench[r, 2]
     return x, y, moment
 
 

@@ -13,6 +13,7 @@ from lcpflex.jit.struct import pack
 from lcpflex.kinematics.configuration import advance
 from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
 from lcpflex.model.arrays import Model
+from lcpflex.model.layout import dimension
 
 __all__ = ["Violation", "correctable", "project", "violation"]
 
@@ -49,9 +50,10 @@ def violation(model: Model, q: FloatArray, u: FloatArray, external: FloatArray) 
     width = int(np.max(np.diff(dof), initial=1))
     rows = np.zeros((count, 2, width))
     row_body = np.zeros((count, 2), dtype=np.int64)
+    wrench = np.zeros((count, dimension(model.bodies).rigid))
     phi, rate, bias = np.zeros(count), np.zeros(count), np.zeros(count)
     joint_residual(model, 0.0, q, external, phi)
-    joint_rows(model, 0.0, q, u, external, rows, row_body, rate, bias)
+    joint_rows(model, 0.0, q, u, external, rows, row_body, wrench, rate, bias)
     columns = dof[np.maximum(row_body, 0)][:, :, None] + np.arange(width)
     columns[(columns >= dof[np.maximum(row_body, 0) + 1][:, :, None]) | (row_body < 0)[:, :, None]] = len(u)
     moved = rows * np.append(u, 0.0)[columns]

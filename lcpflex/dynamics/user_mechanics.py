@@ -218,6 +218,7 @@ def _joint_hooks(system: Mechanics) -> Hooks:
         external: FloatArray,
         rows: FloatArray,
         row_body: IntArray,
+        wrench: FloatArray,
         rate: FloatArray,
         bias: FloatArray,
     ) -> None:

@@ -54,6 +54,7 @@ class Workspace:
     solved: FloatArray = array("rows", 2, "width")  # A^-1 rows
     white: FloatArray = array("white", 2, "width")  # L^-1 rows, A = L L^T; where there may be large islands
     row_body: IntArray  # (R, 2)
+    wrench: FloatArray = array("joints", "reaction")  # of a multiplier 1 of each joint row: force, moment on P's body
     rate: FloatArray = array("rows")  # partial time derivatives of the joint constraints
     bias: FloatArray = array("rows")
     residual: FloatArray = array("joints")  # phi
@@ -142,6 +143,7 @@ def workspace(
         "rows": n_joint + each * (capacity + 1) - 1,
         "width": int(np.max(np.diff(dof), initial=1)),
         "joints": n_joint,
+        "reaction": 6 if in_space else 3,
         "contacts": capacity,
         "tangents": (each - 1) * capacity,
         "pairs": each * capacity,

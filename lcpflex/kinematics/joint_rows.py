@@ -46,6 +46,7 @@ def joint_rows(
     external: FloatArray,
     rows: FloatArray,
     row_body: IntArray,
+    wrench: FloatArray,
     rate: FloatArray,
     bias: FloatArray,
 ) -> None:
@@ -53,7 +54,8 @@ def joint_rows(
 
     rows (R, 2, width), row_body (R, 2), rate (R,) [m/s] or [rad/s], bias (R,) [m/s^2] or [rad/s^2]: the first
     ``joints.row[-1]`` of each are overwritten. Block 0 belongs to the body of P, block 1 to that of Q; body -1 is the
-    ground.
+    ground. wrench: the force on the body of P, at P, and the moment that a multiplier 1 of each row makes, (R, 3) F_x,
+    F_y, M.
     """
     joints = model.joints
     bodies = model.bodies
@@ -71,6 +73,7 @@ def joint_rows(
             row_body[r, 1] = points.body[j]
             gradient = coordinate_gradient(joints.kind[r], at, motion, joints.axis[r, 0], joints.axis[r, 1])
             add_gradient(points, (i, j), arms, gradient, 1.0, rows[r, 0], rows[r, 1])
+            wrench[r, 0], wrench[r, 1], wrench[r, 2] = gradient[0], gradient[1], gradient[2]
             _, f_rate, f_acceleration = prescribed(model, r, t, external)
             rate[r] = -f_rate
             bias[r] = gradient[4] - f_acceleration

@@ -199,8 +199,8 @@ class ActingForces:
             factorise(self._held.bodies, q, 1.0, 0.0, self._arrow)
             return self._solved(force)
         rows, owner = np.zeros((count, 2, self._width)), np.zeros((count, 2), dtype=np.int64)
-        rate, bias = np.zeros(count), np.zeros(count)
-        joint_rows(self._model, t, q, u, external, rows, owner, rate, bias)
+        wrench, rate, bias = np.zeros((count, N_RIGID)), np.zeros(count), np.zeros(count)
+        joint_rows(self._model, t, q, u, external, rows, owner, wrench, rate, bias)
         J = np.zeros((count, len(q)))
         for r, side in np.argwhere(owner >= 0).tolist():
             b = int(owner[r, side])

@@ -123,7 +123,7 @@ class Balance:
             self._supply(model, self.time, q, self._still, work)
         mechanics.forces(model, self.time, q, self._still, work)
         if n_joint:
-            rows = work.rows, work.row_body, work.rate, work.bias
+            rows = work.rows, work.row_body, work.wrench, work.rate, work.bias
             joint_rows(model, self.time, q, self._still, work.external, *rows)
             joint_residual(model, self.time, q, work.external, work.residual)
         for k in range(n):

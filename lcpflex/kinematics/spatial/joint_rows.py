@@ -55,6 +55,7 @@ def joint_rows(
     external: FloatArray,
     rows: FloatArray,
     row_body: IntArray,
+    wrench: FloatArray,
     rate: FloatArray,
     bias: FloatArray,
 ) -> None:
@@ -62,7 +63,8 @@ def joint_rows(
 
     rows (R, 2, width), row_body (R, 2), rate (R,) [m/s] or [rad/s], bias (R,) [m/s^2] or [rad/s^2]: the first
     ``joints.row[-1]`` of each are overwritten. Block 0 belongs to the body of P, block 1 to that of Q; body -1 is the
-    ground.
+    ground. wrench: the force on the body of P, at P, and the moment that a multiplier 1 of each row makes, (R, 6) F, M,
+    world axes.
     """
     joints = model.joints
     bodies = model.bodies
@@ -82,6 +84,9 @@ def joint_rows(
             way = directions(joints, r)
             gradient = coordinate_gradient(joints.kind[r], at, way)
             add_gradient(points, (i, j), arms, gradient, 1.0, rows[r, 0], rows[r, 1])
+            for k in range(3):
+                wrench[r, k] = gradient.g[k]
+                wrench[r, 3 + k] = gradient.at_p[k]
             rate[r] = 0.0
             bias[r] = coordinate_bias(joints.kind[r], at, motion, way)
             if joints.signal[r] >= 0:

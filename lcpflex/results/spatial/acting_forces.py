@@ -163,8 +163,8 @@ class SpatialActingForces:
     def _rows(self, t: float, q: FloatArray, u: FloatArray, external: FloatArray) -> Rows:
         count = int(self._own.joints.row[-1])
         blocks, owner = np.zeros((count, 2, self._width)), np.zeros((count, 2), dtype=np.int64)
-        rate, bias = np.zeros(count), np.zeros(count)
-        joint_rows(self._model, t, q, u, external, blocks, owner, rate, bias)
+        wrench, rate, bias = np.zeros((count, N_RIGID)), np.zeros(count), np.zeros(count)
+        joint_rows(self._model, t, q, u, external, blocks, owner, wrench, rate, bias)
         J = np.zeros((count, len(u)))
         for r, side in np.argwhere(owner >= 0).tolist():
             own = self._dofs(int(owner[r, side]))

@@ -116,7 +116,9 @@ def assemble_rows(
     supply(model, t, q, scheme.v_new, work)
     factorise(model, q, alpha_c, alpha_k, work)
     if n_joint > 0:
-        joint_rows(model, t, q, scheme.v_new, work.external, work.rows, work.row_body, work.rate, work.bias)
+        joint_rows(
+            model, t, q, scheme.v_new, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias
+        )
     for k in range(n):
         refresh(model, q, work.table, k)
     n_tangent = fill_contact_rows(model, q, n, n_joint, work)

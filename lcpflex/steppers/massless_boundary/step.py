@@ -74,7 +74,9 @@ def hold_joints(model: Model, t: float, h: float, scheme: BoundaryScheme, work: 
     if n_joint == 0:
         return 0.0
     a = scheme.acceleration
-    joint_rows(model, t, work.middle, scheme.guess, work.external, work.rows, work.row_body, work.rate, work.bias)
+    joint_rows(
+        model, t, work.middle, scheme.guess, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias
+    )
     solve_rows(model, work, 0, n_joint)
     factorise_joints(work)
     for j in range(n_joint):

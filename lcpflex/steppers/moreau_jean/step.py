@@ -110,7 +110,9 @@ def predict(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace) -
         work.free_u[i] += u[i]
     n_joint = len(work.residual)
     if n_joint > 0:
-        joint_rows(model, t + lean, work.middle, u, work.external, work.rows, work.row_body, work.rate, work.bias)
+        joint_rows(
+            model, t + lean, work.middle, u, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias
+        )
     n_tangent = fill_contact_rows(model, work.middle, n, n_joint, work)
     contact_biases(model, work.middle, u, n, n_tangent, n_joint, work)
     solve_rows(model, work, 0, n_joint + n + n_tangent)

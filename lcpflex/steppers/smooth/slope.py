@@ -89,7 +89,7 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smooth
     supply(model, t, q, u, work)
     factorise(model, q, 0.0, 0.0, work)
     if n_joint > 0:
-        joint_rows(model, t, q, u, work.external, work.rows, work.row_body, work.rate, work.bias)
+        joint_rows(model, t, q, u, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias)
     forces(model, t, q, u, work)
     for i in range(ndof):
         work.free_u[i] = work.total[i]

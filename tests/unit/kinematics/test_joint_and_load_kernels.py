@@ -91,8 +91,8 @@ def evaluate(model, t, q, u, f=joint_rows):
     count = model.joints.row[-1]
     rows = np.full((count, 2, 6), np.nan)
     row_body = np.full((count, 2), -7)
-    rate, bias = np.full(count, np.nan), np.full(count, np.nan)
-    f(model, t, q, u, EXTERNAL, rows, row_body, rate, bias)
+    wrench, rate, bias = np.full((count, 3), np.nan), np.full(count, np.nan), np.full(count, np.nan)
+    f(model, t, q, u, EXTERNAL, rows, row_body, wrench, rate, bias)
     jacobian = np.zeros((count, len(q)))
     dof = model.bodies.dof
     for r in range(count):

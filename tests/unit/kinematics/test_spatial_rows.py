@@ -47,8 +47,8 @@ def laid(case: Moving, t: float = 0.0) -> tuple[FloatArray, FloatArray, FloatArr
     r = int(case.model.joints.row[-1])
     rows = np.full((r, 2, int(np.diff(dof).max())), np.nan)
     row_body = np.zeros((r, 2), dtype=np.int64)
-    rate, bias = np.zeros(r), np.zeros(r)
-    joint_rows(case.model, t, case.q, case.u, case.external, rows, row_body, rate, bias)
+    wrench, rate, bias = np.zeros((r, 6)), np.zeros(r), np.zeros(r)
+    joint_rows(case.model, t, case.q, case.u, case.external, rows, row_body, wrench, rate, bias)
     J = np.zeros((r, len(case.u)))
     for k in range(r):
         for end, b in enumerate(row_body[k]):
