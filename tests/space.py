@@ -12,8 +12,8 @@ from lcpflex.dynamics.time_functions import SignalTable
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.spatial.configuration import advance
-from lcpflex.kinematics.spatial.relative import KINDS
 from lcpflex.model.arrays import Offsets, frozen
+from lcpflex.model.coordinates import SPATIAL_KINDS as KINDS
 from lcpflex.model.spatial import (
     SpatialBodies,
     SpatialJoints,

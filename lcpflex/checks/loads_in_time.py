@@ -21,8 +21,9 @@ from lcpflex.dynamics.time_functions import COMPILED, EXTERNAL, HARMONIC, PIECES
 from lcpflex.dynamics.time_structure import bends, probe_of
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
-from lcpflex.kinematics.relative import ANGLE, Motion, apart, coordinate_gradient
+from lcpflex.kinematics.relative import Motion, apart, coordinate_gradient
 from lcpflex.model.arrays import Model
+from lcpflex.model.coordinates import ANGULAR
 from lcpflex.model.layout import PLANE, dimension, is_spatial, place_offsets
 from lcpflex.model.planar import N_RIGID
 from lcpflex.model.spatial import N_PLACE
@@ -36,7 +37,6 @@ SPRING_TURN = 0.6  # the same for a spring, whose frequency is off by (omega ste
 MATTERS = 0.01  # of the largest speed, or of the distance travelled
 NEGLIGIBLE = 1e-3  # of the other forces: what is smaller does not matter where nothing moves either
 LOST = 0.03  # of the path of a drive
-TURNING = (ANGLE, 4, 5)  # kinds of relative coordinates that are angles; in space perpendicular and turn, too
 GOOD = 20.0  # steps in a period, or in the shortest bend: what is advised
 
 Profiles = dict[int, tuple[FloatArray, FloatArray]]  # instants and values of functions of time
@@ -301,7 +301,7 @@ def _drives(compiled: CompiledScene, step: float, scales: _Scales, profiles: Pro
             words = _unseen_path(*profiles[signal], step, scales.duration)
         elif model.signals.kind[signal] == HARMONIC:
             _, amplitude, omega, _ = model.signals.coefficients[model.signals.first[signal]].tolist()
-            fastest = scales.spin if kind == ANGLE else scales.speed
+            fastest = scales.spin if ANGULAR[kind] else scales.speed
             if abs(omega) * step > TURN and abs(amplitude * omega) > MATTERS * fastest:
                 words = _turns(omega, step)
         if words:
@@ -331,7 +331,7 @@ def _springs(result: Result, compiled: CompiledScene, step: float, scales: _Scal
         omega = math.sqrt(float(model.loads.spring_value[k, 0]) * scales.mobility(row[None, :]))
         if omega * step <= SPRING_TURN:
             continue
-        swing = _fastest_stretch(result, model, k) / omega * (0.5 * scales.size if kind in TURNING else 1.0)
+        swing = _fastest_stretch(result, model, k) / omega * (0.5 * scales.size if ANGULAR[kind] else 1.0)
         if swing > MATTERS * max(scales.travel, NEGLIGIBLE * scales.size):
             names = f"{place_name(compiled, P)} and {place_name(compiled, Q)}"
             found.append(f"the spring between {names}, which swings, {_turns(omega, step)}")

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from lcpflex.bodies.body import MaterialPoint
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.dynamics.time_functions import SignalTable, State
-from lcpflex.kinematics.relative import KINDS, Apart, Motion, coordinate_gradient, coordinate_value
+from lcpflex.kinematics.relative import Apart, Motion, coordinate_gradient, coordinate_value
 from lcpflex.model.arrays import PointTable
+from lcpflex.model.coordinates import KINDS
 from lcpflex.scene.relative import Relative
 
 __all__ = ["Assembly"]

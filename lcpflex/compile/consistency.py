@@ -17,8 +17,8 @@ from lcpflex.dynamics.time_functions import State
 from lcpflex.errors import ModelError, ModelWarning
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
-from lcpflex.kinematics.relative import UNITS
 from lcpflex.model.arrays import Model
+from lcpflex.model.coordinates import UNITS, is_angular
 from lcpflex.model.layout import dimension, is_spatial, place_offsets
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.joints.joint import Joint
@@ -67,7 +67,7 @@ def refuse_unguided(placed: Sequence[Placed], joints: Sequence[Joint], state: St
 def _holds(joint: Joint) -> bool:
     """Whether the joint keeps its points on a line at least, and from turning, as Prismatic and Weld do."""
     kinds = {row.kind for row in joint.rows()}
-    return "angle" in kinds and len(kinds) > 1
+    return any(map(is_angular, kinds)) and len(kinds) > 1
 
 
 def _guides(joint: Joint, body: int, state: State) -> bool:
@@ -103,7 +103,7 @@ def consistent_start(
 
     Mechanisms of space are redundant as a rule, and never fit exactly: of their projection the least misfit is left.
     """
-    units = _units(model)
+    units = [UNITS[kind] for kind in model.joints.kind]
     frames = place_offsets(model.bodies)[:-1, None] + np.arange(dimension(model.bodies).components)
     reach = max(size, float(np.abs(q[frames]).max()))
     scale = np.array([reach if unit == "m" else 1.0 for unit in units])
@@ -144,15 +144,6 @@ def _is_misfit(model: Any, q: FloatArray, found: start.Violation, scale: FloatAr
     violated = (np.abs(found.position) > JOINT_TOLERANCE * scale).any()
     violated |= (np.abs(found.velocity) > JOINT_TOLERANCE * (scale + found.speed)).any()
     return bool(violated and (start.correctable(model, q, found) <= JOINT_TOLERANCE * scale).all())
-
-
-def _units(model: Any) -> list[str]:
-    """Of the rows of all joints."""
-    if not is_spatial(model):
-        return [UNITS[kind] for kind in model.joints.kind]
-    from lcpflex.kinematics.spatial.relative import UNITS as SPATIAL_UNITS  # kernels that planar scenes do without
-
-    return [SPATIAL_UNITS[kind] for kind in model.joints.kind]
 
 
 def _refuse_violation(

@@ -8,8 +8,8 @@ import numpy as np
 
 from lcpflex.compile.assembly import Assembly
 from lcpflex.errors import ModelError
-from lcpflex.kinematics.relative import KINDS
 from lcpflex.model.arrays import Joints, frozen
+from lcpflex.model.coordinates import KINDS
 from lcpflex.scene.joints.joint import Joint
 from lcpflex.scene.relative import Relative
 

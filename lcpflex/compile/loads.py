@@ -9,8 +9,8 @@ import numpy as np
 from lcpflex.compile.assembly import Assembly
 from lcpflex.dynamics.applied_forces import EFFORTS
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.kinematics.relative import KINDS
 from lcpflex.model.arrays import Loads, frozen
+from lcpflex.model.coordinates import KINDS
 from lcpflex.scene.loads.load import Effort, Load, Resistance
 
 __all__ = ["compile_loads"]

@@ -23,8 +23,8 @@ from lcpflex.dynamics.mass_matrix import elastic_matrices, mass_matrix, overbent
 from lcpflex.errors import ModelError, in_range
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
-from lcpflex.kinematics.relative import KINDS
 from lcpflex.model.arrays import frozen
+from lcpflex.model.coordinates import SPATIAL_KINDS
 from lcpflex.model.layout import is_spatial
 from lcpflex.steppers.event_driven.thresholds import SLIP_PART
 from lcpflex.steppers.law_run import begin_laws, law_trouble
@@ -117,15 +117,6 @@ def _index_sets(arrays: dict[str, Any], gap_tolerance: float, slow: float) -> di
     return {"A": every, "C": closed, "N": still, "H": still[sticking[still]], "G": still[~sticking[still]]}
 
 
-def _kinds(model: Any) -> tuple[str, ...]:
-    """What rows of joints prescribe, by the numbers of the relative coordinates."""
-    if not is_spatial(model):
-        return KINDS
-    from lcpflex.kinematics.spatial.relative import KINDS as IN_SPACE
-
-    return IN_SPACE
-
-
 class _Instant:
     """A system at one state, and the memory that its kernels work in."""
 
@@ -213,7 +204,7 @@ class _Instant:
         rows = np.repeat(np.arange(len(names)), np.diff(joints.row))
         return {
             "joints": tuple(names[k] for k in rows),
-            "joint_kinds": tuple(_kinds(model)[kind] for kind in joints.kind),
+            "joint_kinds": tuple(SPATIAL_KINDS[kind] for kind in joints.kind),
             "J": J,
             "joint_gaps": phi,
             "joint_rates": J @ self._u + work.rate[:r],

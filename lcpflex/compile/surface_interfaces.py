@@ -15,6 +15,7 @@ import numpy as np
 
 from lcpflex.bodies.reduction.interface import Interface
 from lcpflex.bodies.surface import Kind
+from lcpflex.model.coordinates import is_angular
 from lcpflex.scene.joints.joint import Joint
 from lcpflex.scene.loads.load import Effort, Load
 
@@ -82,7 +83,7 @@ def _of_joints(
         for point in (joint.P, joint.Q):
             if point.body == body and point.material is not frame:
                 along, turns = _of_joint(joint, point is joint.Q, angle)
-                forces = any(row.kind != "angle" for row in joint.rows())
+                forces = not all(is_angular(row.kind) for row in joint.rows())
                 yield Acting(_at(point, turns, forces, along), f"joint {name!r}")
 
 
@@ -92,8 +93,8 @@ def _of_joint(joint: Joint, guides: bool, angle: Callable[[int], float]) -> tupl
     ``guides``: it is the body of Q, which carries the line that the joint keeps, and what is pushed on it has a lever.
     """
     rows = joint.rows()
-    turns = any(row.kind == "angle" for row in rows)
-    forces = [row for row in rows if row.kind != "angle"]
+    turns = any(is_angular(row.kind) for row in rows)
+    forces = [row for row in rows if not is_angular(row.kind)]
     slides = any(row.kind == "along" for row in forces)
     if len(forces) != 1 or not slides or not (guides or turns):
         return None, turns or (slides and guides)
@@ -106,7 +107,7 @@ def _of_joint(joint: Joint, guides: bool, angle: Callable[[int], float]) -> tupl
 def _of_loads(body: int, loads: tuple[Load, ...]) -> Iterator[Acting]:
     for load in loads:
         form = load.form()
-        turns = form.kind == "torque" if isinstance(form, Effort) else form.coordinate.kind == "angle"
+        turns = form.kind == "torque" if isinstance(form, Effort) else is_angular(form.coordinate.kind)
         along = _direction(form) if isinstance(form, Effort) else None
         for point in (load.P, getattr(load, "Q", None)):
             if point is not None and point.body == body:

@@ -22,8 +22,8 @@ from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
-from lcpflex.kinematics.relative import ANGLE
 from lcpflex.model.arrays import Bodies, Contacts, Model, Points, frozen
+from lcpflex.model.coordinates import ANGULAR
 from lcpflex.model.planar import N_RIGID
 
 __all__ = ["check_compliance", "contact_stiffness", "flexibilities", "spring_rates", "with_static_modes"]
@@ -273,7 +273,7 @@ def spring_rates(model: Model, flexibility: FloatArray) -> tuple[float, float]:
         total = 0.0
         for p in ends:
             push, twist = _mobility(model, mass, flexibility, int(p))
-            total += twist if kind == ANGLE else float(np.linalg.eigvalsh(push)[1])
+            total += twist if ANGULAR[kind] else float(np.linalg.eigvalsh(push)[1])
         square += stiffness * total
         rate += damping * total
     return square, rate

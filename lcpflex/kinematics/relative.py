@@ -14,8 +14,8 @@ Each has a value c(r, alpha_P, alpha_Q) and
 the gradient (g, g_P, g_Q) of which makes the row J, and the generalised force of a force along c. For a direction
 fixed at Q, ddot = alphadot J d, J = [[0, -1], [1, 0]], so that g_Q = (J d).r.
 
-Scenes name them by ``KINDS``; kernels know them by the place in that table. To add one: its name and unit in the
-tables, and its two branches; from then on joints and springs can name it.
+Scenes name them, kernels know them by their place in the table of :mod:`lcpflex.model.coordinates`. To add one: its
+line there, and its two branches; from then on joints and springs can name it.
 """
 
 from __future__ import annotations
@@ -34,14 +34,9 @@ from lcpflex.kinematics.points import (
     point_position,
 )
 from lcpflex.model.arrays import Bodies, Points
+from lcpflex.model.coordinates import ANGLE, COMPONENT, DISTANCE
 
 __all__ = [
-    "ALONG",
-    "ANGLE",
-    "COMPONENT",
-    "DISTANCE",
-    "KINDS",
-    "UNITS",
     "Apart",
     "Motion",
     "add_gradient",
@@ -51,9 +46,6 @@ __all__ = [
     "relative_motion",
 ]
 
-KINDS = ("component", "along", "angle", "distance")
-UNITS = ("m", "m", "rad", "m")
-COMPONENT, ALONG, ANGLE, DISTANCE = range(len(KINDS))
 SMALLEST_LENGTH = 1e-300  # [m] a shorter vector has no direction
 
 

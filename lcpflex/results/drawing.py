@@ -8,7 +8,7 @@ import numpy as np
 
 from lcpflex.basics import libs
 from lcpflex.contact.narrow_phase.feature import ARC, SEGMENT
-from lcpflex.kinematics.relative import ALONG, ANGLE, COMPONENT, DISTANCE
+from lcpflex.model.coordinates import ALONG, ANGULAR, COMPONENT, DISTANCE
 from lcpflex.results.places import world_places
 
 if TYPE_CHECKING:
@@ -215,14 +215,14 @@ def draw_joints(ax: Axes, compiled: CompiledScene, q: FloatArray) -> None:
     """Hinges as circles, other joints as squares, rods as lines, linear springs as dotted lines."""
     model = compiled.model
     for first, last, points in zip(model.joints.row, model.joints.row[1:], model.joints.point, strict=False):
-        xy, kinds = world_places(model, q, points), set(model.joints.kind[first:last].tolist())
+        xy, kinds = world_places(model, q, points), model.joints.kind[first:last].tolist()
         if DISTANCE in kinds:
             ax.plot(xy[:, 0], xy[:, 1], color=_JOINT, linewidth=1.2, zorder=3)
-        mark = "s" if ALONG in kinds or {COMPONENT, ANGLE} <= kinds else "o"
+        mark = "s" if ALONG in kinds or (COMPONENT in kinds and ANGULAR[kinds].any()) else "o"
         ends = xy if DISTANCE in kinds else xy[:1]
         ax.plot(ends[:, 0], ends[:, 1], mark, markersize=6, color=_JOINT, markerfacecolor="white", zorder=4)
     for kind, points in zip(model.loads.spring_kind, model.loads.spring_point, strict=True):
-        if kind != ANGLE:
+        if not ANGULAR[kind]:
             xy = world_places(model, q, points)
             ax.plot(xy[:, 0], xy[:, 1], color=_JOINT, linewidth=1.6, linestyle=":", zorder=3)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.kinematics.relative import ALONG, ANGLE, COMPONENT, DISTANCE
+from lcpflex.model.coordinates import ALONG, ANGLE, COMPONENT, DISTANCE
 
 __all__ = ["CHANGED"]
 

@@ -11,9 +11,8 @@ import numpy as np
 
 from lcpflex.basics.arguments import absent
 from lcpflex.errors import ModelError
-from lcpflex.kinematics.lengths import LENGTHS
-from lcpflex.kinematics.relative import ANGLE, COMPONENT, DISTANCE
 from lcpflex.kinematics.spatial.frames import rotated
+from lcpflex.model.coordinates import ANGULAR, COMPONENT, DISTANCE
 from lcpflex.model.layout import SPACE, dimension
 from lcpflex.results.orientation import body_angle, body_orientation
 from lcpflex.results.places import material_shapes, trajectory, turned
@@ -187,11 +186,12 @@ def _drive(result: Result, joint: int, stored: FloatArray) -> FloatArray | None:
     if len(driven) != 1:
         return None
     kind, d = int(model.joints.kind[driven[0]]), dimension(model.bodies)
-    if np.count_nonzero(np.isin(model.joints.kind[rows], LENGTHS) == (kind in LENGTHS)) > 1:
+    angular = bool(ANGULAR[kind])
+    if np.count_nonzero(ANGULAR[model.joints.kind[rows]] == angular) > 1:
         return None  # other rows add to what is stored
-    if kind == ANGLE and d is not SPACE:
+    if angular and d is not SPACE:
         return stored[:, 2]
-    force = stored[:, d.components :] if kind == ANGLE else stored[:, : d.components]
+    force = stored[:, d.components :] if angular else stored[:, : d.components]
     direction = _direction(result, joint, int(driven[0]), kind)
     # the only force of the joint: its direction tells the sign, and that of the material may differ by a bending
     return np.asarray(np.sign(np.einsum("ki,ki->k", force, direction)) * reduce(np.hypot, force.T))

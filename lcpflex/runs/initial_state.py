@@ -10,7 +10,7 @@ import numpy as np
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.dynamics.start import violation
 from lcpflex.errors import ModelError, shown
-from lcpflex.kinematics.lengths import LENGTHS
+from lcpflex.model.coordinates import ANGULAR
 from lcpflex.results.result import Result
 from lcpflex.statics.rest import Rest
 
@@ -77,8 +77,8 @@ def _refuse_off_joints(source: CompiledScene, q: FloatArray) -> None:
     for callback in source.callbacks:
         callback.fill(0.0, state, external)
     off = np.abs(violation(model, q.copy(), np.zeros_like(q), external).position)
-    worst = int(np.argmax(off / np.where(np.isin(model.joints.kind, LENGTHS), source.size, 1.0)))
-    angle = model.joints.kind[worst] not in LENGTHS
+    worst = int(np.argmax(off / np.where(ANGULAR[model.joints.kind], 1.0, source.size)))
+    angle = ANGULAR[model.joints.kind[worst]]
     if off[worst] > OFF * (1.0 if angle else source.size):
         name = names[int(np.searchsorted(model.joints.row, worst, side="right")) - 1]
         raise ModelError(

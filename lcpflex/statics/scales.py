@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.kinematics.relative import ANGLE, apart, coordinate_value
+from lcpflex.kinematics.relative import apart, coordinate_value
 from lcpflex.model.arrays import Model
+from lcpflex.model.coordinates import ANGULAR
 from lcpflex.model.planar import N_RIGID
 from lcpflex.statics.balance import Balance, Configuration
 
@@ -104,7 +105,7 @@ def softest(model: Model, scales: Scales) -> float:
 def _spring_stiffness(model: Model, scales: Scales) -> FloatArray:
     """Of each spring [N/m], of torsion springs by the square of the extent of the largest body they turn."""
     k = np.array(model.loads.spring_value[:, 0], dtype=float)
-    for s in np.flatnonzero(model.loads.spring_kind == ANGLE):
+    for s in np.flatnonzero(ANGULAR[model.loads.spring_kind]):
         k[s] /= _lever(model, scales, int(s)) ** 2
     return k
 
@@ -124,6 +125,6 @@ def _springs(model: Model, scales: Scales, q: FloatArray) -> FloatArray:
         place = apart(model.bodies, model.points, q, i, j)
         x, y = loads.spring_axis[k]
         tension[k] = loads.spring_value[k, 0] * (coordinate_value(kind, place, x, y) - loads.spring_value[k, 2])
-        if kind == ANGLE:
+        if ANGULAR[kind]:
             tension[k] /= _lever(model, scales, k)
     return np.abs(tension)

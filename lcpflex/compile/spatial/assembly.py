@@ -12,7 +12,6 @@ from lcpflex.dynamics.spatial.state import SpatialState
 from lcpflex.dynamics.time_functions import SignalTable
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.kinematics.spatial.relative import (
-    KINDS,
     Apart,
     Directions,
     Motion,
@@ -20,6 +19,7 @@ from lcpflex.kinematics.spatial.relative import (
     coordinate_rate,
     coordinate_value,
 )
+from lcpflex.model.coordinates import SPATIAL_KINDS
 from lcpflex.model.spatial import SpatialPointTable
 from lcpflex.scene.spatial.relative import Way
 
@@ -49,7 +49,7 @@ class SpatialAssembly:
 
     def value(self, kind: str, way: Directions, P: PlacedPoint, Q: PlacedPoint) -> float:
         """A relative coordinate of P and Q at the start [m] or [rad]."""
-        return float(coordinate_value(KINDS.index(kind), self._apart(P, Q), way))
+        return float(coordinate_value(SPATIAL_KINDS.index(kind), self._apart(P, Q), way))
 
     def rate(self, kind: str, way: Directions, P: PlacedPoint, Q: PlacedPoint) -> float:
         """Its rate at the start [m/s] or [rad/s]."""
@@ -57,7 +57,7 @@ class SpatialAssembly:
         v = _three(state.velocity(P) - state.velocity(Q))
         spins = _three(state.angular_velocity(P)), _three(state.angular_velocity(Q))
         nothing = (0.0, 0.0, 0.0)
-        gradient = coordinate_gradient(KINDS.index(kind), self._apart(P, Q), way)
+        gradient = coordinate_gradient(SPATIAL_KINDS.index(kind), self._apart(P, Q), way)
         return float(coordinate_rate(gradient, Motion(v, nothing, *spins, nothing, nothing)))
 
     def turn(self, P: PlacedPoint, Q: PlacedPoint) -> FloatArray:

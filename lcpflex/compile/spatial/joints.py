@@ -10,8 +10,9 @@ import numpy as np
 from lcpflex.compile.spatial.assembly import SpatialAssembly
 from lcpflex.compile.spatial.coordinates import at_start
 from lcpflex.errors import ModelError
-from lcpflex.kinematics.spatial.relative import KINDS, Directions
+from lcpflex.kinematics.spatial.relative import Directions
 from lcpflex.model.arrays import frozen
+from lcpflex.model.coordinates import SPATIAL_KINDS
 from lcpflex.model.spatial import SpatialJoints
 from lcpflex.scene.spatial.relative import NOWHERE, SpatialJoint, SpatialRelative
 
@@ -43,7 +44,7 @@ def compile_spatial_joints(
     return SpatialJoints(
         point=frozen(point, np.int64, columns=2),
         row=frozen(first, np.int64),
-        kind=frozen([KINDS.index(row.kind) for row, _, _, _ in rows], np.int64),
+        kind=frozen([SPATIAL_KINDS.index(row.kind) for row, _, _, _ in rows], np.int64),
         axis=frozen([way.axis for _, way, _, _ in rows], columns=3),
         on_p=frozen([way.on_p for _, way, _, _ in rows], columns=3),
         on_q=frozen([way.on_q for _, way, _, _ in rows], columns=3),

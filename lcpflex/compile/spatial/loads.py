@@ -12,8 +12,9 @@ from lcpflex.compile.spatial.coordinates import at_start
 from lcpflex.dynamics.spatial.applied_forces import EFFORTS, WOUND
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.kinematics.spatial.relative import KINDS, Directions, off_rest
+from lcpflex.kinematics.spatial.relative import Directions, off_rest
 from lcpflex.model.arrays import frozen
+from lcpflex.model.coordinates import SPATIAL_KINDS
 from lcpflex.model.spatial import SpatialLoads
 from lcpflex.scene.loads.effort import Effort
 from lcpflex.scene.spatial.relative import SpatialLoad, SpatialResistance
@@ -41,7 +42,7 @@ def compile_spatial_loads(gravity: FloatArray, loads: Sequence[SpatialLoad], ass
             springs.append((form, (P, assembly.of(Q)), way, rest))
     return SpatialLoads(
         gravity=frozen(gravity),
-        spring_kind=frozen([KINDS.index(form.coordinate.kind) for form, _, _, _ in springs], np.int64),
+        spring_kind=frozen([SPATIAL_KINDS.index(form.coordinate.kind) for form, _, _, _ in springs], np.int64),
         spring_point=frozen([pair for _, pair, _, _ in springs], np.int64, columns=2),
         spring_axis=frozen([way.axis for _, _, way, _ in springs], columns=3),
         spring_on_p=frozen([way.on_p for _, _, way, _ in springs], columns=3),
@@ -62,7 +63,7 @@ def _refuse_wound(
         return
     if kind == "angle":
         value = assembly.value(kind, way, load.P, load.Q)  # type: ignore[attr-defined]
-        off = abs(off_rest(KINDS.index(kind), value - rest))
+        off = abs(off_rest(SPATIAL_KINDS.index(kind), value - rest))
     else:
         each = [Directions(axis, way.on_p, way.on_q) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
         off = math.hypot(*(assembly.value(kind, one, load.P, load.Q) for one in each))  # type: ignore[attr-defined]

@@ -14,8 +14,6 @@ from lcpflex.dynamics.load_means import force_value
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.points import add_wrench, arm_of, material_axes
 from lcpflex.kinematics.spatial.relative import (
-    ANGLE,
-    TURN,
     Apart,
     Directions,
     add_gradient,
@@ -25,10 +23,10 @@ from lcpflex.kinematics.spatial.relative import (
     coordinate_value,
     off_rest,
     relative_motion,
-    turn_vector,
+    twist,
 )
 from lcpflex.kinematics.spatial.rotations import Vector
-from lcpflex.kinematics.spatial.vectors import NOTHING, norm, row_vector, turned
+from lcpflex.kinematics.spatial.vectors import NOTHING, row_vector, turned
 from lcpflex.model.spatial import SpatialLoads, SpatialModel
 
 __all__ = [
@@ -55,14 +53,6 @@ def directions(loads: SpatialLoads, k: int) -> Directions:
     return Directions(
         row_vector(loads.spring_axis, k), row_vector(loads.spring_on_p, k), row_vector(loads.spring_on_q, k)
     )
-
-
-@kernel
-def twist(kind: int, at: Apart, way: Directions, rest: float) -> float:
-    """How far a spring is turned out of its rest [rad], either way; 0 of those that do not resist a rotation."""
-    if kind == ANGLE:
-        return abs(off_rest(kind, coordinate_value(kind, at, way) - rest))
-    return norm(turn_vector(at, way.on_p)) if kind == TURN else 0.0
 
 
 @kernel

@@ -20,7 +20,7 @@ A force lambda along c is the force lambda g and the torque lambda t_P on the ma
 at Q. Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, 1989 (the constraints); the gradient
 of an angle holds for axes that are not parallel, too, and that of a turn is exact.
 
-Scenes name them by ``KINDS``; kernels know them by the place in that table.
+Scenes name them, kernels know them by their place in the table of :mod:`lcpflex.model.coordinates`.
 """
 
 from __future__ import annotations
@@ -39,17 +39,10 @@ from lcpflex.kinematics.spatial.rotations import (
     rotation_matrix,
 )
 from lcpflex.kinematics.spatial.vectors import NOTHING, added, apart_from, dot, norm, scaled, turned, turned_back
+from lcpflex.model.coordinates import ALONG, ANGLE, COMPONENT, DISTANCE, PERPENDICULAR, TURN
 from lcpflex.model.spatial import SpatialBodies, SpatialPoints
 
 __all__ = [
-    "ALONG",
-    "ANGLE",
-    "COMPONENT",
-    "DISTANCE",
-    "KINDS",
-    "PERPENDICULAR",
-    "TURN",
-    "UNITS",
     "Apart",
     "Directions",
     "Gradient",
@@ -62,11 +55,9 @@ __all__ = [
     "coordinate_value",
     "off_rest",
     "relative_motion",
+    "twist",
 ]
 
-KINDS = ("component", "along", "angle", "distance", "perpendicular", "turn")
-UNITS = ("m", "m", "rad", "m", "rad", "rad")  # a perpendicular one is a sine: of an angle, where it is small
-COMPONENT, ALONG, ANGLE, DISTANCE, PERPENDICULAR, TURN = range(len(KINDS))
 SMALLEST_LENGTH = 1e-300  # [m] a shorter vector has no direction
 
 
@@ -175,6 +166,14 @@ def off_rest(kind: int, value: float) -> float:
     if kind != ANGLE or -math.pi < value <= math.pi:
         return value
     return value - 2.0 * math.pi * math.ceil((value - math.pi) / (2.0 * math.pi))
+
+
+@kernel
+def twist(kind: int, at: Apart, way: Directions, rest: float) -> float:
+    """How far the points are turned out of ``rest`` [rad], either way; 0 of kinds that tell no whole rotation."""
+    if kind == ANGLE:
+        return abs(off_rest(kind, coordinate_value(kind, at, way) - rest))
+    return norm(turn_vector(at, way.on_p)) if kind == TURN else 0.0
 
 
 @kernel

@@ -8,7 +8,7 @@ import numpy as np
 
 from lcpflex.bodies.spatial.shapes import SurfaceShape
 from lcpflex.kinematics.spatial.frames import matrices
-from lcpflex.kinematics.spatial.relative import ALONG, COMPONENT, DISTANCE
+from lcpflex.model.coordinates import ALONG, COMPONENT, DISTANCE
 from lcpflex.model.spatial import N_PLACE
 from lcpflex.results.places import material_shapes, modal_sum
 from lcpflex.results.spatial.facets import Facets, ellipsoid, facets_of

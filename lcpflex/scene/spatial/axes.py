@@ -14,6 +14,7 @@ import numpy.typing as npt
 from lcpflex.basics.arguments import array_of
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.model.coordinates import is_angular
 from lcpflex.scene.spatial.orientation import matrix_of
 from lcpflex.scene.spatial.relative import SpatialRelative, Way
 
@@ -32,7 +33,6 @@ __all__ = [
 
 BASIS: tuple[Way, Way, Way] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 COINCIDENCE = tuple(SpatialRelative("component", axis) for axis in BASIS)  # r_P - r_Q = 0
-ROTATIONAL = ("angle", "perpendicular", "turn")
 
 
 def vector(numbers: FloatArray) -> Way:
@@ -92,7 +92,8 @@ def check_turns(part: Any, coordinates: tuple[SpatialRelative, ...]) -> None:
     """Refuse points whose rotation is not known, as of nodes on one line, where the part asks for it."""
     owner = type(part).__name__
     kinds = {coordinate.kind for coordinate in coordinates}
-    for argument, asked in (("P", kinds & set(ROTATIONAL)), ("Q", kinds & {*ROTATIONAL, "along"})):
+    turns = any(map(is_angular, kinds))
+    for argument, asked in (("P", turns), ("Q", turns or "along" in kinds)):
         point = getattr(part, argument)
         if asked and not point.material.turns:
             raise ModelError(

@@ -24,7 +24,7 @@ NOWHERE: Way = (0.0, 0.0, 0.0)
 class SpatialRelative:
     """A relative coordinate c of two points P and Q, and where it is held: c = rest + motion(t)."""
 
-    kind: str  # a name in :data:`lcpflex.kinematics.spatial.relative.KINDS`
+    kind: str  # a name in :data:`lcpflex.model.coordinates.SPATIAL_KINDS`
     axis: Way = (1.0, 0.0, 0.0)  # at Q; of a component, in the world
     on_p: Way | None = NOWHERE  # at P; None: what coincides with ``like`` at the start
     on_q: Way = NOWHERE  # at Q

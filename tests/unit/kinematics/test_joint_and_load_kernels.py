@@ -5,9 +5,9 @@ import pytest
 
 from lcpflex.dynamics.applied_forces import FOLLOWER, FORCE, TORQUE, applied_forces, spring_energy
 from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
-from lcpflex.kinematics.relative import ALONG, ANGLE, COMPONENT, DISTANCE
 from lcpflex.kinematics.signal_values import signal_value
 from lcpflex.model.arrays import Bodies, Joints, Loads, Model, PointTable, Signals, frozen
+from lcpflex.model.coordinates import ALONG, ANGLE, COMPONENT, DISTANCE
 
 MODES = (3, 2)
 SIGNALS = Signals(

@@ -10,7 +10,8 @@ import pytest
 
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
-from lcpflex.kinematics.spatial.relative import KINDS, off_rest
+from lcpflex.kinematics.spatial.relative import off_rest
+from lcpflex.model.coordinates import SPATIAL_KINDS as KINDS
 from lcpflex.scene.functions_of_time import Harmonic
 from tests.space import Line, Moving, derivatives, moving
 

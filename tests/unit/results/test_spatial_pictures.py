@@ -20,8 +20,8 @@ from lcpflex.bodies.spatial.shapes import CapsuleShape, CylinderShape, Shape, Sp
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.kinematics.spatial.relative import DISTANCE
 from lcpflex.model.arrays import frozen
+from lcpflex.model.coordinates import DISTANCE
 from lcpflex.results.energy_balance import Energies
 from lcpflex.results.result import ContactPoints, Result
 from lcpflex.results.spatial.camera import Look, camera_of
