@@ -56,7 +56,7 @@ class Pair:
         """(3, 2, width) along n, t1, t2, body i and body j; they must overwrite what is there."""
         self.at(q)
         rows = np.full((3, 2, int(np.max(np.diff(self.moving.model.bodies.dof)))), 7.0)
-        contact_rows(self.moving.model, q, self.table, 0, rows[0], rows[1], rows[2])
+        contact_rows(self.moving.model, q, self.table, 0, rows[0], rows[1:])
         return rows
 
     def rows(self, q: FloatArray) -> FloatArray:

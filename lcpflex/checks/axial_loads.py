@@ -251,14 +251,14 @@ class _Forces:
         table, found = near(self._model, q, NEAR * self._compiled.size)
         places = np.array([contact_point(self._model, q, table, i) for i in range(found)]).reshape(found, 2)
         dof = self._compiled.model.bodies.dof
-        normal, tangent = np.zeros((2, 2, int(np.diff(dof).max())))
+        rows = np.zeros((2, 2, int(np.diff(dof).max())))
         for point in pressing:
             own = np.flatnonzero(table.law[:found] == touching.contact[point])
             if not len(own):
                 continue
             i = int(own[np.hypot(*(places[own] - touching.place[point]).T).argmin()])
-            contact_rows(self._model, q, table, i, normal, tangent)
-            row = touching.force[point, 0] * normal + touching.force[point, 1] * tangent
+            contact_rows(self._model, q, table, i, rows[0], rows[1:])
+            row = touching.force[point, 0] * rows[0] + touching.force[point, 1] * rows[1]
             for side, b in enumerate(table.body[i].tolist()):
                 if b < 0:
                     continue

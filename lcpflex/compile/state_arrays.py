@@ -243,7 +243,7 @@ class _Instant:
         rows, w = np.zeros((m, 2, 2, self._work.rows.shape[2])), np.zeros((m, 2))
         places, normals = np.zeros((m, 2)), table.normal[:m].copy()
         for k in range(m):
-            contact_rows(self._model, self._q, table, k, *rows[k])
+            contact_rows(self._model, self._q, table, k, rows[k, 0], rows[k, 1:])
             w[k] = contact_bias(self._model, self._q, self._u, table, k)
             places[k] = contact_point(self._model, self._q, table, k)
         tangents = np.column_stack([normals[:, 1], -normals[:, 0]])[:, None]

@@ -45,10 +45,10 @@ def surfaces_of(contacts: Contacts, key: int) -> tuple[int, int]:
 def normal_row(model: Model, q: FloatArray, table: ContactTable, k: int) -> FloatArray:
     """w_N (ndof,) of entry k."""
     dof = model.bodies.dof
-    normal, *tangents = np.zeros((3 if is_spatial(model) else 2, 2, int(np.max(np.diff(dof)))))
-    contact_rows(model, q, table, k, normal, *tangents)
+    rows = np.zeros((3 if is_spatial(model) else 2, 2, int(np.max(np.diff(dof)))))
+    contact_rows(model, q, table, k, rows[0], rows[1:])
     row = np.zeros(int(dof[-1]))
     for side, b in enumerate(table.body[k]):
         if b >= 0:
-            row[dof[b] : dof[b + 1]] += normal[side, : dof[b + 1] - dof[b]]
+            row[dof[b] : dof[b + 1]] += rows[0, side, : dof[b + 1] - dof[b]]
     return row

@@ -28,22 +28,26 @@ from lcpflex.model.arrays import Model
 @in_space("lcpflex.contact.spatial.pairs")
 @kernel
 def contact_rows(
-    model: Model, q: FloatArray, table: ContactTable, k: int, normal_rows: FloatArray, tangent_rows: FloatArray
+    model: Model, q: FloatArray, table: ContactTable, k: int, normal: FloatArray, tangents: FloatArray
 ) -> None:
-    """Rows of entry k at q, (2, width) each: blocks for body i and body j; a block on the ground stays 0."""
+    """Rows of entry k at q, ``normal`` (2, width) and ``tangents`` (1, 2, width), of which there are two in space.
+
+    Blocks for body i and body j; a block on the ground stays 0.
+    """
+    tangent = tangents[0]
     for i in range(2):
-        for c in range(normal_rows.shape[1]):
-            normal_rows[i, c] = 0.0
-            tangent_rows[i, c] = 0.0
+        for c in range(normal.shape[1]):
+            normal[i, c] = 0.0
+            tangent[i, c] = 0.0
     if table.body[k, 0] >= 0:
         p = table.node[k]
         nx = table.normal[k, 0]
         ny = table.normal[k, 1]
-        add_point_rows(model.bodies, model.points, q, p, nx, ny, normal_rows[0], tangent_rows[0])
+        add_point_rows(model.bodies, model.points, q, p, nx, ny, normal[0], tangent[0])
         if table.node_radius[k] != 0.0:
-            add_rotation_row(model.points, p, table.node_radius[k], tangent_rows[0])
+            add_rotation_row(model.points, p, table.node_radius[k], tangent[0])
     if table.body[k, 1] >= 0:
-        feature_rows(model, q, table, k, normal_rows[1], tangent_rows[1])
+        feature_rows(model, q, table, k, normal[1], tangent[1])
 
 
 @in_space("lcpflex.contact.spatial.pairs")

@@ -129,7 +129,7 @@ def fill_contact_rows(model: Model, q: FloatArray, n: int, n_joint: int, work: R
             s = n_joint + n + n_tangent
             work.tangent[n_tangent] = k
             n_tangent += 1
-        contact_rows(model, q, table, k, work.rows[r], work.rows[s])
+        contact_rows(model, q, table, k, work.rows[r], work.rows[s : s + 1])
         for i in range(2):
             work.row_body[r, i] = table.body[k, i]
             work.row_body[s, i] = table.body[k, i]

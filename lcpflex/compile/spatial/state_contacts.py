@@ -27,7 +27,7 @@ def spatial_contacts(system: System, q: FloatArray, u: FloatArray, table: Any, m
     width = int(np.diff(model.bodies.dof).max(initial=1))
     rows, w, places = np.zeros((m, 3, 2, width)), np.zeros((m, 3)), np.zeros((m, 3))
     for k in range(m):
-        contact_rows(model, q, table, k, *rows[k])
+        contact_rows(model, q, table, k, rows[k, 0], rows[k, 1:])
         w[k] = contact_bias(model, q, u, table, k)
         places[k] = contact_point(model, q, table, k)
     side = np.array([_side(system, int(table.law[k]), int(table.body[k, 0])) for k in range(m)])

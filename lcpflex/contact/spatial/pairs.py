@@ -182,11 +182,13 @@ def contact_rows(
     table: SpatialContactTable,
     k: int,
     normal: FloatArray,
-    first: FloatArray,
-    second: FloatArray,
+    tangents: FloatArray,
 ) -> None:
-    """Rows of entry k, (2, width) each: blocks for body i and body j; a block on the ground is 0."""
-    points = model.points
+    """Rows of entry k, ``normal`` (2, width) and ``tangents`` (2, 2, width), along t1 and t2.
+
+    Blocks for body i and body j; a block on the ground is 0.
+    """
+    points, first, second = model.points, tangents[0], tangents[1]
     n, t = row_vector(table.normal, k), row_vector(table.tangent, k)
     for side in range(2):
         b = table.body[k, side]

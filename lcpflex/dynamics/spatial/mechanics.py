@@ -106,7 +106,7 @@ def fill_contact_rows(model: SpatialModel, q: FloatArray, n: int, n_joint: int, 
             work.tangent[n_tangent] = k
             work.tangent[n_tangent + 1] = k
             n_tangent += 2
-        contact_rows(model, q, table, k, rows[r], rows[s], rows[s + 1])
+        contact_rows(model, q, table, k, rows[r], rows[s : s + 2])
         for i in range(2):
             b = table.body[k, i]
             row_body[r, i] = b

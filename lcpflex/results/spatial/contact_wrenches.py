@@ -48,7 +48,7 @@ def contact_wrenches(
     found: list[PointWrench] = []
     for c in np.flatnonzero(touching.force.any(axis=1)).tolist():
         pair = pairs.of(touching, c)
-        contact_rows(model, q, pair.table, pair.k, *rows)
+        contact_rows(model, q, pair.table, pair.k, rows[0], rows[1:])
         blocks = np.einsum("d,dsw->sw", pair.side * _along_axes(pair, touching.vector[c]), rows)
         for side, b in enumerate(pair.table.body[pair.k].tolist()):
             if b >= 0:

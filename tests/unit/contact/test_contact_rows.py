@@ -103,7 +103,7 @@ class Case:
         """Rows over all of u."""
         refresh(self.model, q, self.table, 0)
         blocks = np.full((2, 2, self.width), np.nan)
-        contact_rows(self.model, q, self.table, 0, blocks[0], blocks[1])
+        contact_rows(self.model, q, self.table, 0, blocks[0], blocks[1:])
         full = np.zeros((2, len(q)))
         for side, body in enumerate(self.sides):
             size = self.dof[body + 1] - self.dof[body] if body >= 0 else 0
@@ -171,7 +171,7 @@ def test_plain_python_gives_the_same_numbers(tools):
     case = Case(tools, "segment", 0.15, (0, 1))
     compiled = case.rows(case.q0)
     plain = np.zeros((2, 2, case.width))
-    contact_rows.py_func(case.model, case.q0, case.table, 0, plain[0], plain[1])
+    contact_rows.py_func(case.model, case.q0, case.table, 0, plain[0], plain[1:])
     np.testing.assert_allclose(plain[0, 0, :6], compiled[0, :6], rtol=1e-13)
     np.testing.assert_allclose(plain[1, 1, :5], compiled[1, 6:11], rtol=1e-13)
     w = contact_bias.py_func(case.model, case.q0, case.u, case.table, 0)

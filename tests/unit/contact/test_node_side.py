@@ -119,7 +119,7 @@ def gaps_and_rows(model, table, n, q, u):
     for k in range(n):
         refresh(model, q, table, k)
         blocks = np.zeros((2, 2, int(np.diff(dof).max())))
-        contact_rows(model, q, table, k, blocks[0], blocks[1])
+        contact_rows(model, q, table, k, blocks[0], blocks[1:])
         for side in range(2):
             b = table.body[k, side]
             rows[k, :, dof[b] : dof[b + 1]] = blocks[:, side, : dof[b + 1] - dof[b]]

@@ -201,7 +201,7 @@ def test_rows_and_biases_of_the_parts(kind, part):
     def rows(at):
         k = entry(at)
         blocks = np.zeros((2, 2, int(np.diff(found.model.bodies.dof).max())))
-        contact_rows(found.model, at, found.table, k, blocks[0], blocks[1])
+        contact_rows(found.model, at, found.table, k, blocks[0], blocks[1:])
         full = np.zeros((2, len(at)))
         for side in range(2):
             body = int(found.table.body[k, side])

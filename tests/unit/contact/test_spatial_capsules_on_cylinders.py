@@ -103,7 +103,7 @@ def test_a_capsule_that_lies_is_held_at_both_ends_of_a_line(
     np.testing.assert_allclose(table.gap[:n], 0.0, atol=1e-6 if tilt == 1e-7 else 2e-12)
     rows, u = np.zeros((3, 2, 6)), np.arange(1.0, 13.0)
     for k in range(n):
-        contact_rows(pair.model, pair.q, table, k, *rows)
+        contact_rows(pair.model, pair.q, table, k, rows[0], rows[1:])
         assert np.isfinite(rows).all()
         assert np.isfinite(contact_bias(pair.model, pair.q, u, table, k)).all()
 
@@ -117,7 +117,7 @@ def test_axes_that_meet_or_coincide_have_numbers(turn: Rotation) -> None:
         assert np.isfinite(table.gap[:n]).all()
         rows, u = np.zeros((3, 2, 6)), np.arange(1.0, 13.0)
         for k in range(n):
-            contact_rows(pair.model, pair.q, table, k, *rows)
+            contact_rows(pair.model, pair.q, table, k, rows[0], rows[1:])
             assert np.isfinite(rows).all()
             assert np.isfinite(contact_bias(pair.model, pair.q, u, table, k)).all()
 

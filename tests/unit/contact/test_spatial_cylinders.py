@@ -112,7 +112,7 @@ def test_places_without_a_direction_have_numbers(radius: float, off: float) -> N
             assert abs(table.gap[0] + radius - distance(place)) < 2e-9 * LENGTH
             rows = np.zeros((3, 2, 6))
             u = np.arange(1.0, 13.0)
-            contact_rows(detector.model, detector.q, table, 0, *rows)
+            contact_rows(detector.model, detector.q, table, 0, rows[0], rows[1:])
             assert np.isfinite(rows).all()
             assert np.isfinite(contact_bias(detector.model, detector.q, u, table, 0)).all()
             axes = np.array([table.normal[0], table.tangent[0]])

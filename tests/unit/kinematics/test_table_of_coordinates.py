@@ -45,8 +45,15 @@ def test_nobody_asks_for_the_kind_of_an_angle() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["kind == ANGLE", "ANGLE != kinds[r]", "kind in (ANGLE, TURN)", "relative.ANGLE == k", "row.kind == 'angle'"]
-    + ["'angle' in kinds", "{COMPONENT, ANGLE} <= kinds"],
+    [
+        "kind == ANGLE",
+        "ANGLE != kinds[r]",
+        "kind in (ANGLE, TURN)",
+        "relative.ANGLE == k",
+        "row.kind == 'angle'",
+        "'angle' in kinds",
+        "{COMPONENT, ANGLE} <= kinds",
+    ],
 )
 def test_questions_are_seen(text: str) -> None:
     assert list(questions(text)) == [1]
