@@ -189,13 +189,12 @@ def on_body(surface: Surface, outline: Outline, mirrored: bool = False) -> Surfa
 
 
 RANK = {Kind.NODE: 0, Kind.CIRCLE: 1, Kind.ARC: 2, Kind.CHAIN: 3}  # the lower is the node side; others are none
-NO_NODE = 4
+NO_NODE = len(RANK)
 
 
 def can_touch(a: Surface, b: Surface) -> bool:
     """Whether there is a contact between surfaces of these kinds: a node, disc, solid arc or chain is one of them."""
-    ranks = [RANK.get(surface.kind, NO_NODE) for surface in (a, b)]
-    return min(ranks) < NO_NODE and max(ranks) > RANK[Kind.NODE]
+    return can_be_node_side(a, b) or can_be_node_side(b, a)
 
 
 def can_be_node_side(node_side: Surface, other: Surface) -> bool:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.compile.compiled_scene import CompiledScene
-from lcpflex.dynamics.applied_forces import FORCE, TORQUE
+from lcpflex.dynamics.applied_forces import FOLLOWER, FORCE, TORQUE
 from lcpflex.dynamics.mass_matrix import held_inverse, mass_matrix
 from lcpflex.dynamics.start import violation
 from lcpflex.dynamics.time_functions import COMPILED, EXTERNAL, HARMONIC, PIECES, ForceCallback
@@ -223,7 +223,7 @@ def _forces(compiled: CompiledScene, step: float, scales: _Scales, profiles: Pro
     largest = [_largest(model, k, profiles) for k in range(len(model.signals.kind))]
     for k, kind in enumerate(model.loads.force_kind.tolist()):
         p = int(model.loads.force_point[k])
-        torque = kind >= TORQUE
+        torque = kind not in (FORCE, FOLLOWER)
         axes = dimension(model.bodies).components
         rows = _rows(model, compiled.q, p)
         # speeds, of a torque at half the size

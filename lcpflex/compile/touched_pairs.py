@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.bodies.spatial.surface import TOUCHES, passes_of
-from lcpflex.bodies.surface import NO_NODE
+from lcpflex.bodies.spatial.surface import TOUCHES as IN_SPACE, passes_of
 from lcpflex.compile.compiled_scene import CompiledScene
-from lcpflex.contact.rule_pairs import CHAIN, POINT
+from lcpflex.contact.rule_pairs import CHAIN, TOUCHES
 from lcpflex.jit.kernel import IntArray
 from lcpflex.model.arrays import frozen
 
@@ -87,11 +86,9 @@ def _passes(contacts: Any, i: int, j: int) -> list[tuple[int, int, int]]:
 
 def _can_touch(contacts: Any, i: int, j: int) -> bool:
     """Whether surfaces of these kinds can touch."""
-    if hasattr(contacts, "pass_mode"):  # in space
-        a, b = contacts.surface_kind[i], contacts.surface_kind[j]
-        return bool(TOUCHES[a, b] or TOUCHES[b, a])
-    ranks = sorted((contacts.rule_rank[i], contacts.rule_rank[j]))
-    return bool(ranks[0] < NO_NODE and ranks[1] > POINT)
+    in_space = hasattr(contacts, "pass_mode")
+    kinds, touches = (contacts.surface_kind, IN_SPACE) if in_space else (contacts.rule_rank, TOUCHES)
+    return bool(touches[kinds[i], kinds[j]] or touches[kinds[j], kinds[i]])
 
 
 def pair_of(compiled: CompiledScene, name: str) -> Pair | None:

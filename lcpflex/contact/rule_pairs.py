@@ -17,8 +17,8 @@ from lcpflex.model.arrays import Contacts, Model, empty, frozen
 __all__ = [
     "CHAIN",
     "MORE_LAWS",
-    "POINT",
     "RulePairs",
+    "TOUCHES",
     "is_barred",
     "give_laws",
     "is_node_side",
@@ -37,6 +37,9 @@ LEVELS = 2200  # powers of two that a float may have
 FIRST_MULTIPLIER = 73_856_093  # of hashes: large odd numbers
 SECOND_MULTIPLIER = 19_349_669
 POINT, CHAIN = RANK[Kind.NODE], RANK[Kind.CHAIN]
+TOUCHES = np.array(  # by ranks: whether nodes of the one may touch features of the other, which a point has not
+    [[a != NO_NODE and b != POINT for b in (*RANK.values(), NO_NODE)] for a in (*RANK.values(), NO_NODE)]
+)
 
 
 @struct
@@ -149,9 +152,8 @@ def new_law(pairs: RulePairs, i: int, j: int) -> int:
 def may_meet(model: Model, i: int, j: int) -> bool:
     """Whether two surfaces of the rule are of two bodies, and of kinds that can touch."""
     c = model.contacts
-    low = min(c.rule_rank[i], c.rule_rank[j])
-    high = max(c.rule_rank[i], c.rule_rank[j])
-    return c.surface_body[i] != c.surface_body[j] and low < NO_NODE and high > POINT
+    a, b = c.rule_rank[i], c.rule_rank[j]
+    return c.surface_body[i] != c.surface_body[j] and (TOUCHES[a, b] or TOUCHES[b, a])
 
 
 @kernel

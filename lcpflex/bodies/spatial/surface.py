@@ -26,6 +26,7 @@ __all__ = [
     "EDGED",
     "EDGES",
     "NO_POINTS",
+    "RANKS",
     "RIMMED",
     "RIM_POINTS",
     "TOUCHES",
@@ -57,6 +58,7 @@ class SpatialKind(Enum):
 
 
 CODES = {kind: code for code, kind in enumerate(SpatialKind)}  # by which kernels know them
+RANKS = tuple(CODES.values())  # by the codes: of two that could be the node side, the lower is
 SOLID = (SpatialKind.CAPSULE, SpatialKind.POLYHEDRON, SpatialKind.MESH, SpatialKind.HOLE, SpatialKind.PLANE)
 TOUCHED = {  # what the nodes of a surface may touch
     SpatialKind.NODE: (SpatialKind.SPHERE, SpatialKind.CYLINDER, *SOLID),
@@ -145,7 +147,7 @@ def passes_of(kinds: tuple[int, int], deform: bool, points: tuple[int, int]) -> 
     Of two node sides: both, and edges against edges. But where one of them deforms, the finer one alone, that with more
     points: two meshes that touch with the nodes of both have each force shared in a way nothing determines.
     """
-    first = 0 if kinds[0] <= kinds[1] else 1
+    first = 0 if RANKS[kinds[0]] <= RANKS[kinds[1]] else 1
     other = 1 - first
     if not TOUCHES[kinds[first], kinds[other]]:
         return (Pass(other, first),)

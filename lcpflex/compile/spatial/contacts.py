@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.bodies.spatial.surface import CODES, Pass
+from lcpflex.bodies.spatial.surface import CODES, RANKS, Pass
 from lcpflex.compile.spatial.assembly import SpatialAssembly
 from lcpflex.compile.spatial.contact_surfaces import bounds_of, boxes_of, deflections, features_of, nodes_of
 from lcpflex.compile.spatial.feature_tree import FeatureTree, tree_of
@@ -79,7 +79,7 @@ def _with_rule(contacts: SpatialContacts, rule: KeptRule, before: int) -> Spatia
         restitution=frozen([*contacts.restitution, numbers.restitution]),
         tangential_restitution=frozen([*contacts.tangential_restitution, numbers.tangential_restitution]),
         law_surface=frozen([*contacts.law_surface, (-1, -1)], np.int64, columns=2),
-        rule_rank=frozen(contacts.surface_kind[:n], np.int64),
+        rule_rank=frozen([RANKS[kind] for kind in contacts.surface_kind[:n]], np.int64),
         rule_law=frozen([len(contacts.friction)], np.int64),
         rule_pass=frozen([np.count_nonzero(contacts.pass_law < before)], np.int64),
         barred_start=frozen(np.searchsorted(barred[:, 0], np.arange(n + 1)), np.int64),

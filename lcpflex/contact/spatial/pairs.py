@@ -52,13 +52,13 @@ from lcpflex.contact.spatial.narrow_phase.sides import (
 from lcpflex.contact.spatial.narrow_phase.turning import NO_TURN, Turning
 from lcpflex.contact.spatial.table import (
     EDGE_EDGE,
-    EDGE_SIDE,
     NODE_EDGE,
     NODE_FACET,
     NODE_POINT,
     RIM_FACET,
     SpatialContactTable,
     by_cylinder,
+    with_edge,
 )
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
@@ -106,17 +106,17 @@ def locate(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: in
         refresh_edges(points, q, i, j, table, k)
     elif kind == RIM_FACET:
         refresh_rim(points, q, i, j, table, k)
-    elif kind < EDGE_SIDE:
-        refresh_cylinder(points, q, i, j, table, k)
-    else:
+    elif with_edge(table, k):
         refresh_edge_by_cylinder(points, q, i, j, table, k)
+    else:
+        refresh_cylinder(points, q, i, j, table, k)
 
 
 @kernel
 def mean_on_i(table: SpatialContactTable, k: int) -> Mean:
     """What of body i touches in entry k: a node, the foot on its edge, or the centre of a rim."""
     p = table.point[k, 0]
-    if table.kind[k] != EDGE_EDGE and table.kind[k] < EDGE_SIDE:
+    if not with_edge(table, k):
         return single(p)
     s = table.foot[k, 0]
     return Mean(2, p, table.point[k, 1], p, (1.0 - s, s, 0.0))
@@ -225,9 +225,9 @@ def turning_of(
         return edge_turning(points, q, u, frames[1], motions[1], table, k, n, t, dv)
     if kind == NODE_POINT:
         return point_turning(frames[1], motions[1], table, k, n, t, dv)
-    if kind >= EDGE_SIDE:
-        return edge_by_cylinder_turning(points, q, u, frames, motions, table, k, n, t, dv)
     if by_cylinder(table, k):
+        if with_edge(table, k):
+            return edge_by_cylinder_turning(points, q, u, frames, motions, table, k, n, t, dv)
         return cylinder_turning(points, q, u, frames, motions, table, k, n, t, dv)
     return edges_turning(points, q, u, frames, motions, table, k, n, t, dv)
 
@@ -262,7 +262,7 @@ def cylinder_motion(
     """What the lever on a cylinder adds to v and b of body j in entry k; dv: of body i from where that begins."""
     spin, turn = point_spin(points, q, u, frames[1], motions[1], start_of(table, k))
     lever = cylinder_lever(points, q, frames, table, k, n)
-    if table.kind[k] >= EDGE_SIDE:
+    if with_edge(table, k):
         line = line_between(points, q, frames[0], table.point[k, 0], table.point[k, 1])
         dv = added(dv, turned(frames[0].A, scaled(turning.slide_i, line)))
     return lever_motion(spin, turn, lever, cylinder_lever_rate(table, k, n, turning.ndot, dv, spin, lever))

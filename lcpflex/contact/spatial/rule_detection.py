@@ -44,10 +44,9 @@ def detect_between(
 ) -> int:
     """Contacts between two surfaces, from entry n on; the new count: passes as ``SpatialSurface.passes`` has them."""
     c = model.contacts
-    kind_a, kind_b = c.surface_kind[a], c.surface_kind[b]
-    if kind_b < kind_a:
+    if c.rule_rank[b] < c.rule_rank[a]:
         a, b = b, a
-        kind_a, kind_b = kind_b, kind_a
+    kind_a, kind_b = c.surface_kind[a], c.surface_kind[b]
     if not near_surfaces(model, q, table, a, b, margin):
         return n
     if not TOUCHES[kind_a, kind_b]:

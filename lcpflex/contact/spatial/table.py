@@ -25,6 +25,7 @@ from lcpflex.contact.rule_pairs import RulePairs, no_pairs
 from lcpflex.contact.table import ALL
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.model.arrays import frozen
 
 __all__ = [
     "EDGE_EDGE",
@@ -40,11 +41,28 @@ __all__ = [
     "SpatialContactTable",
     "by_cylinder",
     "copy_entry",
+    "with_edge",
     "side_of",
     "spatial_contact_table",
 ]
 
-NODE_FACET, NODE_EDGE, NODE_POINT, EDGE_EDGE, RIM_FACET, NODE_SIDE, NODE_CAP, NODE_RIM, EDGE_SIDE, EDGE_RIM = range(10)
+PAIRS = (  # what of body i, and what of body j: by the numbers of the kinds
+    ("node", "facet"),
+    ("node", "edge"),
+    ("node", "point"),
+    ("edge", "edge"),
+    ("rim", "facet"),
+    ("node", "side"),
+    ("node", "cap"),
+    ("node", "rim"),
+    ("edge", "side"),
+    ("edge", "rim"),
+)
+NODE_FACET, NODE_EDGE, NODE_POINT, EDGE_EDGE, RIM_FACET, NODE_SIDE, NODE_CAP, NODE_RIM, EDGE_SIDE, EDGE_RIM = range(
+    len(PAIRS)
+)
+WITH_EDGE = frozen([of_i == "edge" for of_i, _ in PAIRS], bool)
+BY_CYLINDER = frozen([of_j in ("side", "cap", "rim") for _, of_j in PAIRS], bool)
 
 
 @struct
@@ -126,8 +144,14 @@ def copy_entry(source: SpatialContactTable, i: int, target: SpatialContactTable,
 
 @kernel
 def by_cylinder(table: SpatialContactTable, k: int) -> bool:
-    """Whether entry k is that of a node or edge with a part of a cylinder: its kinds are the last ones."""
-    return table.kind[k] >= NODE_SIDE
+    """Whether entry k is that of a node or edge with a part of a cylinder."""
+    return BY_CYLINDER[table.kind[k]]
+
+
+@kernel
+def with_edge(table: SpatialContactTable, k: int) -> bool:
+    """Whether what of body i touches in entry k is an edge."""
+    return WITH_EDGE[table.kind[k]]
 
 
 @kernel

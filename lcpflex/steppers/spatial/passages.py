@@ -16,6 +16,7 @@ from lcpflex.contact.spatial.table import (
     RIM_FACET,
     SpatialContactTable,
     by_cylinder,
+    with_edge,
 )
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import compose, conjugate, exponential, logarithm, unit
@@ -79,8 +80,7 @@ def is_wall(table: SpatialContactTable, k: int) -> bool:
 def inside(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> float:
     """How far the foot of entry k is inside its feature, and on an edge of body i inside that as well."""
     margin = foot_margin(model, q, table, k)
-    on_edge = table.kind[k] == EDGE_EDGE or table.kind[k] >= EDGE_SIDE
-    return min(margin, node_margin(model, q, table, k)) if on_edge else margin
+    return min(margin, node_margin(model, q, table, k)) if with_edge(table, k) else margin
 
 
 @kernel

@@ -20,7 +20,7 @@ from __future__ import annotations
 from lcpflex.contact.spatial.narrow_phase.rim import lowest_on_rim, rim_axis, turned_by_material
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, Motion, line_between, place_in, point_spin, world_place
 from lcpflex.contact.spatial.narrow_phase.turning import COINCIDENT, Turning, set_entry
-from lcpflex.contact.spatial.table import EDGE_SIDE, NODE_CAP, NODE_SIDE, SpatialContactTable
+from lcpflex.contact.spatial.table import NODE_CAP, NODE_SIDE, SpatialContactTable, with_edge
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import NOTHING, added, apart_from, dot, norm, row_vector, scaled
@@ -67,7 +67,7 @@ def outward(a: Vector, p: Vector, r: float, before: Vector) -> Vector:
 @kernel
 def start_of(table: SpatialContactTable, k: int) -> int:
     """The material point o of entry k."""
-    return table.point[k, 2] if table.kind[k] >= EDGE_SIDE else table.point[k, 1]
+    return table.point[k, 2] if with_edge(table, k) else table.point[k, 1]
 
 
 @kernel
@@ -76,7 +76,7 @@ def away_from_start(
 ) -> Vector:
     """y of entry k [m], world axes: to the node, or to the foot on the edge of body i."""
     place = place_in(points, q, frames[0], table.point[k, 0])
-    if table.kind[k] >= EDGE_SIDE:
+    if with_edge(table, k):
         line = line_between(points, q, frames[0], table.point[k, 0], table.point[k, 1])
         place = added(place, scaled(table.foot[k, 0], line))
     start = place_in(points, q, frames[1], start_of(table, k))
@@ -88,7 +88,7 @@ def end_of(points: SpatialPoints, table: SpatialContactTable, k: int) -> float:
     """z0 of entry k [m]."""
     if table.sense[k] < 0.0:
         return 0.0
-    first = 2 if table.kind[k] >= EDGE_SIDE else 1
+    first = 2 if with_edge(table, k) else 1
     return length_between(points, table.point[k, first], table.point[k, first + 1])
 
 

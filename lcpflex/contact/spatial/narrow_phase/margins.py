@@ -17,7 +17,7 @@ from lcpflex.contact.spatial.narrow_phase.edges import END, TILT
 from lcpflex.contact.spatial.narrow_phase.facet import plane_of
 from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, rim_axis
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, line_between, place_in, seen_from, world_place
-from lcpflex.contact.spatial.table import EDGE_EDGE, EDGE_SIDE, NODE_SIDE, RIM_FACET, SpatialContactTable
+from lcpflex.contact.spatial.table import EDGE_EDGE, RIM_FACET, SpatialContactTable, by_cylinder, with_edge
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector
 from lcpflex.kinematics.spatial.vectors import apart_from, dot, norm, row_vector, scaled, turned, turned_back
@@ -121,9 +121,9 @@ def margin_on_j(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: S
     if kind == PLANE:
         return math.inf
     extent = c.surface_extent[surface_of(c.feature_start, f)]
-    if table.kind[k] >= EDGE_SIDE:
-        return edge_margin(model.points, q, i, j, table, k, extent)
-    if table.kind[k] >= NODE_SIDE:
+    if by_cylinder(table, k):
+        if with_edge(table, k):
+            return edge_margin(model.points, q, i, j, table, k, extent)
         return cylinder_margin(model.points, q, i, j, table, k) / extent
     if kind == FACET:
         return in_facet(model, q, j, f, table.foot[k, 0], table.foot[k, 1]) / extent
@@ -139,7 +139,7 @@ def margin_on_i(model: SpatialModel, q: FloatArray, i: Frame, table: SpatialCont
     c = model.contacts
     touching = table.key[k] // len(c.feature_kind)
     n = row_vector(table.normal, k)
-    if table.kind[k] == EDGE_EDGE or table.kind[k] >= EDGE_SIDE:
+    if with_edge(table, k):
         return crossed_within(model, q, i, touching - len(c.node_point), table.foot[k, 0], scaled(-1.0, n))
     if table.kind[k] == RIM_FACET:
         _, tilt = lowest_on_rim(rim_axis(model.points, q, i, table.point[k, 0], table.point[k, 1]), n)
