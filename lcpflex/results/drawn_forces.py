@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from lcpflex.contact.narrow_phase.feature import SEGMENT
+from lcpflex.results.drawing import add_line
 from lcpflex.results.places import world_places
 from lcpflex.results.summary import with_unit
 
@@ -20,12 +21,27 @@ if TYPE_CHECKING:
     from lcpflex.results.drawing import View
     from lcpflex.results.result import Result
 
-__all__ = ["CUT", "SEEN", "Placed", "arrow_length", "arrow_tips", "draw_arrows", "draw_forces", "usual_force"]
+__all__ = [
+    "CUT",
+    "FRONT",
+    "INK",
+    "SEEN",
+    "Placed",
+    "arrow_length",
+    "arrow_tips",
+    "draw_arrows",
+    "draw_forces",
+    "draw_key",
+    "usual_force",
+    "usual_length",
+]
 
 Placed: TypeAlias = "tuple[FloatArray, FloatArray, float, bool]"  # foot, tip, force [N], whether the arrow is cut
 
-_FORCE = "#D55E00"
-_GROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}  # of words
+FRONT = 5.0  # zorder of arrows; words are in front of them
+INK = "#D55E00"  # of arrows and their words
+_GROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
+_WORDS: dict[str, Any] = {"va": "center", "color": INK, "bbox": _GROUND, "zorder": FRONT + 1.0}
 _ARROW = 0.2  # largest length of an arrow of the usual force, relative to the picture
 _SHORTEST = 0.07  # likewise, where the bodies that touch are small
 _BODY_SHARE = 0.7  # length of that arrow, relative to the bodies that touch: arrows of a stack do not overlap
@@ -45,37 +61,43 @@ def usual_force(result: Result) -> float:
     return float(np.median(forces)) if forces.size else 0.0
 
 
-def arrow_tips(result: Result, compiled: CompiledScene, record: int, view: View, scale: float) -> FloatArray:
+def arrow_tips(result: Result, compiled: CompiledScene, record: int, length: float, scale: float) -> FloatArray:
     """Where the arrows of a record end, (k, 2) [m]."""
     if scale <= 0.0:
         return np.zeros((0, 2))
-    arrows = _arrows(result, compiled, record, _arrow_length(result, compiled, view), scale)
+    arrows = _arrows(result, compiled, record, length, scale)
     return np.array([tip for _, tip, _, _ in arrows]).reshape(-1, 2)
 
 
-def draw_forces(ax: Axes, result: Result, compiled: CompiledScene, record: int, view: View, scale: float) -> None:
-    """An arrow for each contact force of the record, and a key; ``scale`` [N] is the force of the usual length.
+def draw_forces(ax: Axes, result: Result, compiled: CompiledScene, record: int, length: float, scale: float) -> None:
+    """An arrow for each contact force of the record; ``scale`` [N] is the force whose arrow has that ``length`` [m].
 
     It is the force on the body where that touches the ground; where two bodies touch, on the one added later.
     """
-    if scale <= 0.0:
-        return
-    length = _arrow_length(result, compiled, view)
-    draw_arrows(ax, _arrows(result, compiled, record, length, scale), view, length, scale)
+    if scale > 0.0:
+        draw_arrows(ax, _arrows(result, compiled, record, length, scale))
 
 
-def draw_arrows(ax: Axes, arrows: Sequence[Placed], view: View, length: float, scale: float) -> None:
-    """Arrows whose places are those of the picture, and a key."""
-    _force_key(ax, view, length / scale, scale)
+def draw_arrows(ax: Axes, arrows: Sequence[Placed]) -> None:
+    """Arrows whose places are those of the picture."""
     numbered = _least_numbered([size for _, _, size, cut in arrows if cut])
+    feet = np.array([place for place, *_ in arrows]).reshape(-1, 2)
+    add_line(ax, feet[:, 0], feet[:, 1], linestyle="", marker="o", markersize=3, color=INK, zorder=FRONT)
     for place, tip, size, cut in arrows:
         _arrow(ax, place, tip)
-        ax.plot(*place, marker="o", markersize=3, color=_FORCE, zorder=5)
         if cut and size >= numbered:
             label = f" {with_unit(float(f'{size:.2g}'), 'N')} "
             side = "left" if tip[0] >= place[0] else "right"
             ax.text(
-                tip[0], tip[1], label, ha=side, va="center", fontsize="x-small", color=_FORCE, bbox=_GROUND, zorder=6
+                tip[0],
+                tip[1],
+                label,
+                ha=side,
+                va="center",
+                fontsize="x-small",
+                color=INK,
+                bbox=_GROUND,
+                zorder=FRONT + 1,
             )
 
 
@@ -98,7 +120,7 @@ def _arrows(result: Result, compiled: CompiledScene, record: int, length: float,
     return found
 
 
-def _arrow_length(result: Result, compiled: CompiledScene, view: View) -> float:
+def usual_length(result: Result, compiled: CompiledScene, view: View) -> float:
     """Length of the arrow of the usual force [m]: that of the bodies that touch, where this can be seen."""
     picture = max(view[1] - view[0], view[3] - view[2])
     extents = _extents(compiled)
@@ -128,20 +150,22 @@ def _extents(compiled: CompiledScene) -> dict[int, float]:
 
 
 def _arrow(ax: Axes, start: FloatArray, tip: FloatArray) -> None:
-    style = {"arrowstyle": "-|>", "color": _FORCE, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", xy=tuple(tip), xytext=tuple(start), arrowprops=style, zorder=5)
+    style = {"arrowstyle": "-|>", "color": INK, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", xy=tuple(tip), xytext=tuple(start), arrowprops=style, zorder=FRONT)
 
 
-def _force_key(ax: Axes, view: View, stretch: float, scale: float) -> None:
-    """An arrow of a round force in the upper right corner; ``stretch`` [m/N] is the length of a newton."""
+def draw_key(ax: Axes, view: View, length: float, scale: float) -> None:
+    """An arrow of a round force in the upper right corner, where there are forces."""
+    if scale <= 0.0:
+        return
     power = 10.0 ** np.floor(np.log10(scale))
     force = float(max(c * power for c in (1.0, 2.0, 5.0) if c * power <= scale * (1.0 + 1e-9)))
     y = view[3] - 0.04 * (view[3] - view[2])
     tip = np.array([view[1] - 0.03 * (view[1] - view[0]), y])
-    start = tip - (force * stretch, 0.0)
+    start = tip - (force * length / scale, 0.0)
     _arrow(ax, start, tip)
     label = f"{with_unit(force, 'N')}  "
-    ax.text(start[0], y, label, ha="right", va="center", fontsize="small", color=_FORCE, bbox=_GROUND, zorder=6)
+    ax.text(start[0], y, label, ha="right", fontsize="small", **_WORDS)
 
 
 def _towards_later(result: Result, compiled: CompiledScene, point: int) -> float:

@@ -23,6 +23,7 @@ from lcpflex.results.charts import plot
 from lcpflex.results.contact_history import ContactHistory, ContactPoints, Event, StateArray, untouched
 from lcpflex.results.contact_windows import INSTANTS, ContactWindow
 from lcpflex.results.energy_balance import Energies
+from lcpflex.results.film import animate
 from lcpflex.results.instant import Instant
 from lcpflex.results.joint_reaction import JointReaction, joint_reaction
 from lcpflex.results.material import body_index, material_of
@@ -32,7 +33,7 @@ from lcpflex.results.orientation import body_angle, body_orientation, body_spin
 from lcpflex.results.outside_values import with_values
 from lcpflex.results.paraview import to_vtkhdf
 from lcpflex.results.places import trajectory, velocity
-from lcpflex.results.plot import animate, draw
+from lcpflex.results.plot import draw
 from lcpflex.results.section_forces import SectionForces, body_of_result, mean_step, section_forces
 from lcpflex.results.sensor import SensorHistory, named_sensor
 from lcpflex.results.state_at import StateAt, state_at
@@ -309,7 +310,7 @@ class Result:
         frames: bool = False,
         scale: float = 1.0,
     ) -> Path:
-        """Film of the scene as GIF or, where ffmpeg is installed, MP4. See :func:`lcpflex.results.plot.animate`.
+        """Film of the scene as GIF or, where ffmpeg is installed, MP4. See :func:`lcpflex.results.film.animate`.
 
         path: ends in .gif or .mp4. fps: frames a second of the film. slowdown: seconds of the film a second of
         the motion; chosen for a film of six seconds if omitted. view, frames, scale: as of :meth:`draw`.

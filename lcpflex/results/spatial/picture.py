@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.basics import libs
-from lcpflex.results.drawn_forces import draw_arrows
+from lcpflex.results.drawing import add_line
+from lcpflex.results.drawn_forces import draw_arrows, draw_key
 from lcpflex.results.spatial.camera import Look, camera_of
 from lcpflex.results.spatial.contact_arrows import ContactArrows
 from lcpflex.results.spatial.floor import AXIS_COLOURS, OUTSIDE, draw_floor, floor_under, scales
@@ -52,8 +53,6 @@ _RECORDS = 60  # instants of a film that its frame is made for
 
 class SpatialPicture:
     """A scene with its camera, which keeps in view what moves in the given records."""
-
-    colours = 256  # of a GIF
 
     def __init__(self, result: Result, compiled: CompiledScene, records: IntArray, look: Look) -> None:
         self._result, self._look = result, look
@@ -120,6 +119,7 @@ class SpatialPicture:
         ax.set_axis_off()
         draw_floor(ax, self.floor, self._camera)
         draw_patches(ax, self._patches, self._camera)
+        draw_key(ax, self.view, self._arrows.length, self._arrows.usual)
 
     def fit(self, ax: Axes) -> None:
         """From now on, draw with as many pixels as the axes have, for films."""
@@ -148,7 +148,7 @@ class SpatialPicture:
             (*self._camera.seen(np.array([arrow.foot, arrow.tip]))[:, :2], arrow.force, arrow.cut)
             for arrow in self._arrows.at(record)
         ]
-        draw_arrows(ax, found, self.view, self._arrows.length, self._arrows.usual)
+        draw_arrows(ax, found)
 
     def canvas(self, q: FloatArray, rows: int, columns: int) -> tuple[Canvas, Any]:
         """What is nearest at each pixel, and the shadow on the floor, at a configuration."""
@@ -267,12 +267,13 @@ class SpatialPicture:
             alpha = _FAINT if self._hidden(canvas, place, holders) else 1.0
             grounded = body[p] < 0 or (-1 in holders and mark != "o") or (-1 in holders and pair in self._held())
             if grounded:
-                ax.plot([x], [y], marker=6, markersize=9, color="#808080", alpha=alpha, zorder=2)
+                add_line(ax, [x], [y], marker=6, markersize=9, color="#808080", alpha=alpha, zorder=2)
             size = 5.5 if mark == "o" else 7.5  # seen around a circle at its place
-            ax.plot(
+            add_line(
+                ax,
                 [x],
                 [y],
-                mark,
+                marker=mark,
                 markersize=size,
                 color="#202020",
                 markerfacecolor="white",

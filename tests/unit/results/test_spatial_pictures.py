@@ -398,7 +398,7 @@ def test_arrows_are_the_forces_on_the_body_in_the_picture() -> None:
     ends = np.array([np.subtract(one.xy, one.xyann) for one in arrows])
     key, seen = ends[0], ends[1:]
     assert len(seen) == 4
-    scale = float(next(one.get_text() for one in figure.axes[0].texts if one.get_text().strip()).split()[0])  # [N]
+    scale = float(next(one.get_text() for one in figure.axes[0].texts if one.get_text().endswith("N  ")).split()[0])
     total = seen.sum(axis=0) * scale / np.linalg.norm(key)
     turned = Rotation.from_rotvec([0.0, tilt, 0.0])
     expected = 2.0 * 9.81 * np.cos(tilt) * turned.apply([-0.1, 0.0, 1.0])
