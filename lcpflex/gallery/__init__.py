@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from lcpflex.basics.lazy import attach
 
 if TYPE_CHECKING:
-    from lcpflex.gallery.collection import scenes as scenes, warmup_cases as warmup_cases
+    from lcpflex.gallery.collection import scenes as scenes
     from lcpflex.gallery.mechanisms.bars import (
         bar_with_foot as bar_with_foot,
         elastic_bar as elastic_bar,
@@ -81,6 +81,7 @@ if TYPE_CHECKING:
         slider_crank as slider_crank,
         woodpecker as woodpecker,
     )
+    from lcpflex.gallery.warmup import warmup_cases as warmup_cases
     from lcpflex.runs.case import Case as Case
 
 __getattr__, __dir__ = attach(__name__)

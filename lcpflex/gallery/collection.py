@@ -1,65 +1,85 @@
-"""All scenes of the gallery by name, and the few that between them use every kernel."""
+"""All scenes of the gallery by name; the module of one is loaded when it is asked for."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from importlib import import_module
+from typing import TYPE_CHECKING
 
-from lcpflex.dynamics.impact_laws import Poisson, Stronge
-from lcpflex.force_laws.penalty import Penalty
-from lcpflex.gallery.mechanisms import (
-    bars,
-    coaxial,
-    flexible,
-    piles,
-    plates,
-    rigid,
-    space,
-    space_contact,
-    stops,
-    user_systems,
-)
-from lcpflex.runs.case import Case
-from lcpflex.steppers.adaptive import AdaptiveStep
-from lcpflex.steppers.event_driven.stepper import EventDriven
-from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
-from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
-from lcpflex.steppers.moreau_jean.stepper import MoreauJean
-from lcpflex.steppers.smooth.stepper import Smooth, Stiff, Verlet
+if TYPE_CHECKING:
+    from lcpflex.runs.case import Case
 
-__all__ = ["scenes", "warmup_cases"]
+__all__ = ["scenes"]
+
+# Modules of lcpflex.gallery.mechanisms, and the names of their cases.
+HOMES = {
+    "flexible": ("pendulum", "smooth_pendulum", "hemisphere", "sliding_beam"),
+    "rigid": (
+        "incline",
+        "incline_sticks",
+        "stick_slip",
+        "spring_block",
+        "bouncing_ball",
+        "oblique_bounce",
+        "three_balls",
+        "rocking_block",
+        "double_pendulum",
+        "painleve_rod",
+        "stack",
+        "heavy_stack",
+    ),
+    "bars": (
+        "elastic_bar",
+        "modal_bar_1",
+        "modal_bar_2",
+        "modal_bar_3",
+        "two_bars",
+        "prestressed_bar",
+        "bar_with_foot",
+    ),
+    "user_systems": ("woodpecker", "slider_crank", "impacting_bar"),
+    "stops": ("elastic_stop", "hinged_beam", "sphere_on_beam", "sphere_on_rod"),
+    "coaxial": ("meshed_sphere_on_rod",),
+    "piles": ("heap", "brick_wall", "struck_wall", "strip_pile", "link_chain", "hopper", "smooth_hopper", "silo"),
+    "space": (
+        "dzhanibekov",
+        "heavy_top",
+        "released_top",
+        "driven_slider_crank",
+        "free_slider_crank",
+        "spherical_pendulum",
+    ),
+    "space_contact": ("billiard_ball", "sliding_puck", "puck", "euler_disc", "rolling_disc", "tippe_top"),
+    "plates": ("sphere_on_plate",),
+}
 
 
-def scenes() -> dict[str, Case]:
+def scenes() -> Mapping[str, Case]:
     """All cases by name."""
-    return {
-        case.name: case
-        for module in (flexible, rigid, bars, user_systems, stops, coaxial, piles, space, space_contact, plates)
-        for case in module.cases()
-    }
+    return _Scenes()
 
 
-def warmup_cases() -> tuple[Case, ...]:
-    """A few short runs that between them use every kernel, with every stepper."""
-    known = scenes()
-    control, spring = AdaptiveStep(), Penalty(1e5)
-    own = ("sliding_beam", "double_pendulum", "impacting_bar")
-    others = (
-        ("stick_slip", 1e-2, EventDriven()),
-        ("oblique_bounce", 1e-2, EventDriven()),
-        ("oblique_bounce", 1e-2, EventDriven(impact=Poisson())),
-        ("oblique_bounce", 1e-2, EventDriven(impact=Stronge())),
-        ("double_pendulum", 1e-3, MoreauJean(step=1e-4, adaptive=control)),
-        ("double_pendulum", 1e-3, GeneralizedAlpha(step=1e-4)),
-        ("double_pendulum", 1e-3, GeneralizedAlpha(step=1e-4, adaptive=control)),
-        ("pendulum", 1e-3, MasslessBoundary(step=1e-4)),
-        ("stick_slip", 1e-3, Smooth(spring)),
-        ("stick_slip", 1e-3, Smooth(spring, integrator=Stiff())),
-        ("stick_slip", 1e-3, Smooth(spring, integrator=Verlet(1e-4))),
-        ("driven_slider_crank", 1e-3, MoreauJean(step=1e-4)),
-        ("driven_slider_crank", 1e-2, EventDriven()),
-        ("driven_slider_crank", 1e-3, GeneralizedAlpha(step=1e-4)),
-    )
-    return (
-        *(replace(known[name], duration=1e-3) for name in own),
-        *(replace(known[name], duration=duration, stepper=stepper) for name, duration, stepper in others),
-    )
+class _Scenes(Mapping[str, "Case"]):
+    """Names are known, and a case is made with those beside it when it is asked for."""
+
+    def __init__(self) -> None:
+        self._home = {name: home for home, names in HOMES.items() for name in names}
+        self._made: dict[str, Case] = {}
+
+    def __getitem__(self, name: str) -> Case:
+        if name not in self._made:
+            home = import_module(f"lcpflex.gallery.mechanisms.{self._home[name]}")
+            self._made |= {case.name: case for case in home.cases()}
+        return self._made[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._home
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._home)
+
+    def __len__(self) -> int:
+        return len(self._home)
+
+    def __repr__(self) -> str:
+        return f"<scenes of the gallery: {', '.join(self)}>"

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +23,8 @@ from lcpflex import (
     gallery,
     simulate,
 )
+from lcpflex.gallery import mechanisms
+from lcpflex.gallery.collection import HOMES
 
 CASES = gallery.scenes()
 
@@ -45,6 +51,23 @@ def test_every_case_runs(name: str) -> None:
     assert result.complete
     assert np.isfinite(result.q).all()
     assert result.energies.largest_remainder <= 1e-4 * max(result.energies.scale, 1e-6)
+
+
+def test_every_case_is_in_the_list() -> None:
+    for home, names in HOMES.items():
+        module = import_module(f"lcpflex.gallery.mechanisms.{home}")
+        assert tuple(case.name for case in module.cases()) == names
+    homes = {path.stem for path in Path(mechanisms.__file__).parent.glob("*.py") if "def cases(" in path.read_text()}
+    assert homes == set(HOMES)
+
+
+def test_a_case_loads_its_own_module_alone() -> None:
+    code = "import sys; from lcpflex import gallery; 'heap' in gallery.scenes(); gallery.scenes()['pendulum']"
+    told = f"{code}; print(*(name for name in sys.modules if name.startswith('lcpflex.gallery.mechanisms.')))"
+    ran = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True)
+    assert set(ran.stdout.split()) == {f"lcpflex.gallery.mechanisms.{name}" for name in ("flexible", "arguments")}
+    with pytest.raises(KeyError, match="no such"):
+        CASES["no such"]
 
 
 def test_warmup_uses_every_stepper() -> None:
