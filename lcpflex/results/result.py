@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.basics.arguments import absent
+from lcpflex.basics.lazy import attach
 from lcpflex.basics.renamed import renamed_property
 from lcpflex.compile.coordinates import coordinate_names, velocity_names
 from lcpflex.compile.touched_pairs import pair_of
@@ -18,29 +19,16 @@ from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import OPEN, SLIP, STICK
 from lcpflex.model.recovery import small_enough
-from lcpflex.results.archive import read, write
-from lcpflex.results.charts import plot
+from lcpflex.results import later
 from lcpflex.results.contact_history import ContactHistory, ContactPoints, Event, StateArray, untouched
 from lcpflex.results.contact_windows import INSTANTS, ContactWindow
 from lcpflex.results.energy_balance import Energies
-from lcpflex.results.film import animate
 from lcpflex.results.instant import Instant
-from lcpflex.results.joint_reaction import JointReaction, joint_reaction
 from lcpflex.results.material import body_index, material_of
-from lcpflex.results.modal_coordinates import ModalCoordinates, modal_coordinates
-from lcpflex.results.momentum import Momentum, momentum_of
-from lcpflex.results.orientation import body_angle, body_orientation, body_spin
-from lcpflex.results.outside_values import with_values
-from lcpflex.results.paraview import to_vtkhdf
 from lcpflex.results.places import trajectory, velocity
-from lcpflex.results.plot import draw
-from lcpflex.results.section_forces import SectionForces, body_of_result, mean_step, section_forces
 from lcpflex.results.sensor import SensorHistory, named_sensor
-from lcpflex.results.state_at import StateAt, state_at
 from lcpflex.results.stored_instants import impulse_noise, located, tells_of_steps
-from lcpflex.results.stress_history import Stress, StressHistory, stress_history
 from lcpflex.results.summary import summary
-from lcpflex.results.tables import to_dataframe, to_xarray
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -49,7 +37,13 @@ if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
     from lcpflex.compile.compiled_scene import CompiledScene
+    from lcpflex.results.joint_reaction import JointReaction as JointReaction
+    from lcpflex.results.modal_coordinates import ModalCoordinates as ModalCoordinates
+    from lcpflex.results.momentum import Momentum as Momentum
+    from lcpflex.results.section_forces import SectionForces as SectionForces
     from lcpflex.results.spatial.section_forces import SpatialSectionForces
+    from lcpflex.results.state_at import StateAt as StateAt
+    from lcpflex.results.stress_history import Stress as Stress, StressHistory as StressHistory
 
 __all__ = [
     "CREEP",
@@ -71,6 +65,8 @@ __all__ = [
     "Stress",
     "StressHistory",
 ]
+
+__getattr__, __dir__ = attach(__name__)  # classes of what the methods return
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -190,7 +186,7 @@ class Result:
         of the joint) or the name of any body, in whose frame it is given. Raises ModelError for names that are not
         there, and where reactions were not recorded.
         """
-        return joint_reaction(self, joint, axes)
+        return later.joint_reaction(self, joint, axes)
 
     def sensor(self, name: str) -> SensorHistory:
         """What a sensor of the scene has measured, at its own rate. Raises ModelError for an unknown name."""
@@ -202,21 +198,21 @@ class Result:
         body: its name. relative_to: that of another body, the angle of which is subtracted; of the ground if omitted.
         Raises ModelError for a body that is not there, and for a system of the user's own.
         """
-        return body_angle(self, body, relative_to)
+        return later.body_angle(self, body, relative_to)
 
     def orientation(self, body: str) -> Rotation:
         """How the frame of a body of a spatial scene is turned, m rotations from body axes to world axes.
 
         body: its name. Raises ModelError for a body that is not there, and for planar results, which have ``angle``.
         """
-        return body_orientation(self, body)
+        return later.body_orientation(self, body)
 
     def angular_velocity(self, body: str, axes: str = "world") -> FloatArray:
         """Angular velocity of the frame of a body of a spatial scene, (m, 3) [rad/s].
 
         body: its name. axes: "world" or "body". Raises ModelError as :meth:`orientation` does.
         """
-        return body_spin(self, body, axes)
+        return later.body_spin(self, body, axes)
 
     def momentum(self, body: str | None = None) -> Momentum:
         """Linear momentum, angular momentum about the origin of the world, and mass centre: see :class:`Momentum`.
@@ -224,7 +220,7 @@ class Result:
         body: its name; None for all bodies together. Raises ModelError for a body that is not there, and for a system
         of the user's own.
         """
-        return momentum_of(self, body)
+        return later.momentum_of(self, body)
 
     def section(self, body: str, x: npt.ArrayLike | None = None) -> SectionForces | SpatialSectionForces:
         """Section forces of a beam or bar over the stored instants: see :class:`SectionForces`.
@@ -236,12 +232,12 @@ class Result:
         -length / 2 to length / 2; None for all nodes. Raises ModelError for another body, a place off the axis, and a
         loaded result of a scene with Python functions of time.
         """
-        compiled, b = body_of_result(self, body, "section")
+        compiled, b = later.body_of_result(self, body, "section")
         if compiled.spatial:
             from lcpflex.results.spatial.section_forces import spatial_section_forces
 
-            return spatial_section_forces(self, compiled, b, x, mean_step(self))
-        return section_forces(self, body, x)
+            return spatial_section_forces(self, compiled, b, x, later.mean_step(self))
+        return later.section_forces(self, body, x)
 
     def at(self, t: float, before: bool = False) -> StateAt:
         """State q, u, contact and joint forces at any time t [s] of the run: see :class:`StateAt`.
@@ -253,7 +249,7 @@ class Result:
         moved by its parts (:mod:`.state_at`). ``record="dense"`` keeps all that this needs. Raises ModelError for other
         times, and where what was stored does not tell the state.
         """
-        return state_at(self, t, before)
+        return later.state_at(self, t, before)
 
     def stress(self, body: str, *, static: bool = True) -> StressHistory:
         """Stresses of a flexible body over the stored instants, computed when asked for: see :class:`StressHistory`.
@@ -261,7 +257,7 @@ class Result:
         body: its name. static: with the static part of what its modes leave out; False for its modes alone. Raises
         ModelError for a body without elements or modes, and as :meth:`section` does.
         """
-        return stress_history(self, body, static)
+        return later.stress_history(self, body, static)
 
     def point(self, body: str, point: str | tuple[float, ...]) -> FloatArray:
         """Trajectory r_P = R + A (x + Phi q) of a material point, (m, 2) or, in space, (m, 3) [m], world axes.
@@ -288,7 +284,7 @@ class Result:
 
     def plot(self) -> Figure:
         """Chart of contact forces, gaps and energies over time."""
-        return plot(self)
+        return later.plot(self)
 
     def draw(
         self, t: float, axes: Axes | None = None, *, view: Any = None, frames: bool = False, scale: float = 1.0
@@ -298,7 +294,7 @@ class Result:
         axes: of matplotlib, to draw into; a new figure if omitted. Of spatial scenes: view: (elevation, azimuth) of the
         camera [deg]; frames: with axes of bodies; scale: of deformations. See :func:`lcpflex.results.plot.draw`.
         """
-        return draw(self, t, axes, view, frames, scale)
+        return later.draw(self, t, axes, view, frames, scale)
 
     def animate(
         self,
@@ -315,7 +311,7 @@ class Result:
         path: ends in .gif or .mp4. fps: frames a second of the film. slowdown: seconds of the film a second of
         the motion; chosen for a film of six seconds if omitted. view, frames, scale: as of :meth:`draw`.
         """
-        return animate(self, path, fps, slowdown, view, frames, scale)
+        return later.animate(self, path, fps, slowdown, view, frames, scale)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write everything to one file (format: :mod:`lcpflex.results.archive`), all of it or nothing.
@@ -324,19 +320,19 @@ class Result:
         laws of the scene are left out: a loaded result can be drawn and measured, not continued. Functions of time are
         asked once more at the stored instants, for stresses. Raises ModelError with the path and the reason.
         """
-        told = with_values(self)
+        told = later.with_values(self)
         kept = told.compiled
         if kept is not None:
             recovery, laws = small_enough(kept.recovery), (None,) * len(kept.laws)
             lost = kept.laws_are_lost or any(law is not None for law in kept.laws)
             kept = replace(kept, callbacks=(), materials=None, functions=(), laws=laws, recovery=recovery, sensors=())
             kept = replace(kept, laws_are_lost=lost)
-        return write(replace(told, compiled=kept), path)
+        return later.write(replace(told, compiled=kept), path)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
         """Read a saved result, npz or HDF5 by its content. Raises ModelError with the path and the reason."""
-        loaded = read(path)
+        loaded = later.read(path)
         if not isinstance(loaded, cls):
             raise ModelError(f"path: {os.fspath(path)!r} holds a {type(loaded).__name__}; expected a Result")
         return loaded
@@ -351,7 +347,7 @@ class Result:
         Units are in ``attrs["units"]`` by column, with facts of the run beside them. Instants of events stand in it
         twice, before and after. Raises ModelError where pandas is not installed.
         """
-        return to_dataframe(self)
+        return later.to_dataframe(self)
 
     def to_xarray(self) -> Any:
         """An xarray.Dataset with the dimensions time, coordinate, contact, joint, touch, event, component and axis.
@@ -368,7 +364,7 @@ class Result:
         time, before and after. Of contacts, joints, touches and events there are variables where there are any.
         ``to_netcdf`` writes all of it (engines h5netcdf, scipy). Raises ModelError where xarray is not installed.
         """
-        return to_xarray(self)
+        return later.to_xarray(self)
 
     def to_vtkhdf(self, path: str | os.PathLike[str], *, stress: bool = True, every: int = 1) -> Path:
         """Write the motion for ParaView: a VTKHDF file, see :mod:`lcpflex.results.paraview`. Needs h5py.
@@ -377,7 +373,7 @@ class Result:
         so many-th stored instant. The second of two equal times, as of an event, is the next larger number. Raises
         ModelError for a system of the user's own, for more than 4 GiB, and with the path and the reason.
         """
-        return to_vtkhdf(self, path, stress, every)
+        return later.to_vtkhdf(self, path, stress, every)
 
     def coordinate_names(self) -> tuple[str, ...]:
         """Name of each entry of q: ``body.x``, ``body.y``, ``body.angle``, ``body.mode 1``, ..., or ``q 1``, ..."""
@@ -398,4 +394,4 @@ class Result:
         """
         if self.compiled is None:
             raise ModelError("modes_of: a system of the user's own has no modes; expected the result of a Scene")
-        return modal_coordinates(self.compiled, body_index(self.compiled, body))
+        return later.modal_coordinates(self.compiled, body_index(self.compiled, body))

@@ -1,0 +1,25 @@
+"""What is loaded when a method of a result asks for it: most runs draw, write and cut nothing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from lcpflex.basics.lazy import attach
+
+if TYPE_CHECKING:
+    from lcpflex.results.archive import read, write
+    from lcpflex.results.charts import plot
+    from lcpflex.results.film import animate
+    from lcpflex.results.joint_reaction import joint_reaction
+    from lcpflex.results.modal_coordinates import modal_coordinates
+    from lcpflex.results.momentum import momentum_of
+    from lcpflex.results.orientation import body_angle, body_orientation, body_spin
+    from lcpflex.results.outside_values import with_values
+    from lcpflex.results.paraview import to_vtkhdf
+    from lcpflex.results.plot import draw
+    from lcpflex.results.section_forces import body_of_result, mean_step, section_forces
+    from lcpflex.results.state_at import state_at
+    from lcpflex.results.stress_history import stress_history
+    from lcpflex.results.tables import to_dataframe, to_xarray
+
+__getattr__, __dir__ = attach(__name__)
