@@ -61,7 +61,7 @@ def attach(
         if name.startswith("__") or name not in homes():
             from lcpflex.basics.names import nearest
 
-            told = "" if name.startswith("__") else nearest(name, names())  # Python itself asks for __path__ and others
+            told = "" if name.startswith("_") else nearest(name, names())  # tools ask for __path__, _mock_name ...
             raise AttributeError(f"module {label or module!r} has no attribute {name!r}{told}")
         home, there = homes()[name]
         value = getattr(import_module(home), there) if there else import_module(home)
