@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings, strategies as st
 
 import lcpflex as lf
 from lcpflex.force_laws.contact_law import ContactLaw
 from lcpflex.force_laws.damping.hysteresis import HysteresisDamping
 from lcpflex.force_laws.elastic.power_law import PowerLaw
+from tests.chance import given, settings, st
 from tests.scenes import floor_of
 
 
@@ -17,7 +17,7 @@ def logarithmic(low: float, high: float) -> st.SearchStrategy[float]:
     return st.floats(low, high).map(lambda exponent: 10.0**exponent)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     mass=logarithmic(-3.0, 3.0),
     stiffness=logarithmic(3.0, 10.0),

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.optimize import linprog
 from scipy.sparse import csr_array
@@ -13,10 +12,11 @@ from lcpflex.solvers import ContactProblem, Lcp, Lemke, QuadraticProgram, Status
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.contact.lcp_forms import from_copositive
 from lcpflex.solvers.lcp.principal_pivoting import PrincipalPivoting
+from tests.chance import given, settings, st
 
 SIZES = st.integers(1, 8)
 ENTRIES = st.floats(-3.0, 3.0, allow_subnormal=False).map(lambda x: round(x, 2))
-RELAXED = settings(max_examples=60, deadline=None, derandomize=True)
+RELAXED = settings(max_examples=60)
 ANY_MATRIX = [Lemke(), Auto()]
 SYMMETRIC = [*ANY_MATRIX, PrincipalPivoting()]
 

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
 from scipy.integrate import solve_ivp
 
 import lcpflex as lf
@@ -31,6 +30,7 @@ from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.force_laws.layout import DAMPING
 from lcpflex.force_laws.normal_kernels import contact_energy, contact_stiffness, normal_force
 from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth
+from tests.chance import given, settings, st
 from tests.scenes import disc_on_floor
 
 STIFFNESS, MASS, SPEED = 4e7, 0.8, 1.5
@@ -189,7 +189,7 @@ def work_of(kinds: Any, p: Any, start: float, end: float, rate: float, deepest: 
 
 
 @pytest.mark.parametrize("damping", LAWS, ids=name)
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(
     depths=st.lists(st.floats(0.0, 2.0), min_size=1, max_size=6),
     rates=st.lists(st.floats(1e-4, 10.0), min_size=7, max_size=7),
@@ -211,7 +211,7 @@ def test_no_energy_out_of_a_closed_loop(damping: Any, depths: list[float], rates
     assert work >= -1e-6 * scale
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     e=st.floats(0.02, 1.0),
     exponent=st.floats(1.0, 3.5),

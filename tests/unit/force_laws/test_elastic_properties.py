@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings, strategies as st
 
 from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
 from lcpflex.force_laws.elastic.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
@@ -12,6 +11,7 @@ from lcpflex.force_laws.elastic.hertz import Hertz
 from lcpflex.force_laws.elastic.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
 from lcpflex.force_laws.elastic.materials import Material
 from lcpflex.force_laws.elastic.power_law import PowerLaw
+from tests.chance import assume, given, settings, st
 
 RADII = st.floats(1e-4, 0.9)
 MODULI = st.floats(1e6, 1e12)
@@ -52,7 +52,7 @@ def any_law(draw):
     return kind(pair)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(law=any_law())
 def test_every_law_begins_at_zero_and_is_continuous_monotone_and_convex(law):
     delta = np.concatenate([[0.0], min(law.limit, 1e-3) * np.geomspace(1e-9, 1.0, 80)])

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
 
 import lcpflex as lf
 from lcpflex.dynamics import contact_forces_friction
@@ -16,6 +15,7 @@ from lcpflex.force_laws.friction.kernels import KINDS, friction_force
 from lcpflex.force_laws.friction.laws import BengisuAkay, BrownMcPhee, SmoothedCoulomb
 from lcpflex.force_laws.layout import FRICTION, PARAMETERS
 from lcpflex.jit.kernel import interpreted
+from tests.chance import given, st
 from tests.scenes import floor_of
 
 MASS, SPRING, PULL, WEIGHT, MU, STATIC = 0.25, 5e3, 0.02, 20.0, 0.3, 0.5
@@ -38,7 +38,6 @@ LAWS = [
 ]  # fmt: skip
 
 
-@settings(deadline=None)  # the first example compiles
 @given(
     law=st.sampled_from(LAWS),
     before=st.floats(-0.05, 0.05),

@@ -6,10 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
 
 from lcpflex.errors import ModelError
 from lcpflex.studies import graph_distance
+from tests.chance import given, settings, st
 
 numbers = st.floats(-1.0, 1.0, allow_subnormal=False)
 graphs = st.integers(2, 12).flatmap(
@@ -26,13 +26,13 @@ def step(at: float, height: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
 
 
 @given(graphs)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_equal_graphs_have_no_distance(graph) -> None:
     assert graph_distance(*graph, *graph) < 1e-14
 
 
 @given(graphs, graphs)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_it_is_symmetric_and_the_larger_of_its_sides(one, other) -> None:
     both = graph_distance(*one, *other)
     assert both == pytest.approx(graph_distance(*other, *one), rel=0.03, abs=1e-5)
@@ -41,7 +41,7 @@ def test_it_is_symmetric_and_the_larger_of_its_sides(one, other) -> None:
 
 
 @given(graphs, graphs, graphs)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_a_detour_is_not_shorter(one, between, other) -> None:
     direct = graph_distance(*one, *other)
     detour = graph_distance(*one, *between) + graph_distance(*between, *other)
@@ -49,7 +49,7 @@ def test_a_detour_is_not_shorter(one, between, other) -> None:
 
 
 @given(graphs, st.integers(2, 7))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_points_between_change_nothing(graph, parts: int) -> None:
     t, y = graph
     share = np.linspace(0.0, 1.0, parts, endpoint=False)
@@ -60,7 +60,7 @@ def test_points_between_change_nothing(graph, parts: int) -> None:
 
 
 @given(graphs, graphs)
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_it_is_that_of_dense_clouds_of_points(one, other) -> None:
     from scipy.spatial import cKDTree
 
