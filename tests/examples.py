@@ -6,8 +6,9 @@ import importlib.util
 from functools import cache
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
-__all__ = ["EXAMPLES", "example"]
+__all__ = ["EXAMPLES", "Example", "example"]
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
 
@@ -22,3 +23,15 @@ def example(name: str) -> ModuleType:
     module = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(module)
     return module
+
+
+class Example:
+    """``examples/NAME.py``, carried out when one of its names is first asked for: collecting tests needs none."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __getattr__(self, attribute: str) -> Any:
+        if attribute.startswith("_"):  # pytest asks each name of a module whether it is a fixture
+            raise AttributeError(attribute)
+        return getattr(example(self._name), attribute)

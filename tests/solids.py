@@ -5,18 +5,17 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import skfem
-from skfem.helpers import ddot, dot, sym_grad, trace
-from skfem.models.elasticity import lame_parameters
+
+from tests import libs
 
 __all__ = ["block", "bar"]
 
 STEEL = {"density": 7850.0, "youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
 ELEMENTS = {
-    "hex1": (skfem.MeshHex, skfem.ElementHex1, 4),
-    "hex2": (skfem.MeshHex, skfem.ElementHex2, 6),
-    "tet1": (skfem.MeshTet, skfem.ElementTetP1, 3),
-    "tet2": (skfem.MeshTet, skfem.ElementTetP2, 5),
+    "hex1": ("MeshHex", "ElementHex1", 4),
+    "hex2": ("MeshHex", "ElementHex2", 6),
+    "tet1": ("MeshTet", "ElementTetP1", 3),
+    "tet2": ("MeshTet", "ElementTetP2", 5),
 }
 
 
@@ -31,23 +30,24 @@ def block(
     skew: float = 0.0,
 ) -> dict[str, Any]:
     """Mass, stiffness and coordinates of a block from the origin to its edges, x sheared by ``skew`` z."""
+    skfem, h = libs.skfem, libs.skfem_helpers
     mesh_type, element, order = ELEMENTS[kind]
     lines = [np.linspace(0.0, edge, n + 1) for edge, n in zip(edges, cells, strict=True)]
-    mesh = mesh_type.init_tensor(*lines)
+    mesh = getattr(skfem, mesh_type).init_tensor(*lines)
     if skew:
         mesh = mesh.translated((0.0, 0.0, 0.0))
         mesh = type(mesh)(mesh.p + np.outer([skew, 0.0, 0.0], mesh.p[2]), mesh.t)
-    basis = skfem.Basis(mesh, skfem.ElementVector(element()), intorder=order)
-    lam, mu = lame_parameters(youngs_modulus, poissons_ratio)
+    basis = skfem.Basis(mesh, skfem.ElementVector(getattr(skfem, element)()), intorder=order)
+    lam, mu = libs.elasticity.lame_parameters(youngs_modulus, poissons_ratio)
 
     @skfem.BilinearForm
     def stiffness(u, v, _):
-        e, d = sym_grad(u), sym_grad(v)
-        return 2.0 * mu * ddot(e, d) + lam * trace(e) * trace(d)
+        e, d = h.sym_grad(u), h.sym_grad(v)
+        return 2.0 * mu * h.ddot(e, d) + lam * h.trace(e) * h.trace(d)
 
     @skfem.BilinearForm
     def mass(u, v, _):
-        return density * dot(u, v)
+        return density * h.dot(u, v)
 
     # degrees of freedom of one place, x y z after each other
     order_of = np.lexsort((np.arange(basis.N), *np.round(basis.doflocs / max(edges), 9)))

@@ -7,45 +7,58 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from tests.examples import example
+from tests.examples import Example
 
-CLAW = example("claw_in_step")
+CLAW = Example("claw_in_step")
+STIFFNESSES = (10.0, 50.0, 200.0)  # its own, which collecting the tests does not load
 EXACT = lf.EventDriven(rtol=1e-10, atol=1e-13)
-ARM = np.sqrt(1.0 - CLAW.GAP**2)  # L cos phi at the first touch
-# energy of the free finger, J omega^2 / 2 = T phi - m g (L/2) (1 - cos phi)
-WORK = CLAW.TORQUE * np.arcsin(CLAW.GAP) - 0.5 * CLAW.MASS * CLAW.GRAVITY * (1.0 - ARM)
-BEFORE = np.sqrt(2.0 * WORK / CLAW.INERTIA)
-AFTER = CLAW.INERTIA * BEFORE / (CLAW.INERTIA + CLAW.WALL * ARM**2)
+
+
+def first_touch() -> tuple[float, float, float, float]:
+    """L cos phi there, the work up to it, and the angular velocity before and after.
+
+    Energy of the free finger, J omega^2 / 2 = T phi - m g (L/2) (1 - cos phi); momentum about the hinge, e = 0.
+    """
+    arm = np.sqrt(1.0 - CLAW.GAP**2)
+    work = CLAW.TORQUE * np.arcsin(CLAW.GAP) - 0.5 * CLAW.MASS * CLAW.GRAVITY * (1.0 - arm)
+    before = np.sqrt(2.0 * work / CLAW.INERTIA)
+    return arm, work, before, CLAW.INERTIA * before / (CLAW.INERTIA + CLAW.WALL * arm**2)
 
 
 def run(stiffness: float, end: float = 1.5, mass: float = 1.0) -> lf.Result:
     return lf.simulate(gallery.claw_in_step(stiffness, mass), end, EXACT, record=1e-3)
 
 
-@pytest.fixture(scope="module", params=CLAW.STIFFNESSES)
+@pytest.fixture(scope="module", params=STIFFNESSES)
 def case(request) -> tuple[float, lf.Result]:
     return request.param, run(request.param)
 
 
+def test_its_springs_are_those_of_the_example() -> None:
+    assert STIFFNESSES == CLAW.STIFFNESSES
+
+
 def test_impact_in_closed_form(case) -> None:
     """Work of the torque and the weight up to the touch; momentum about the hinge across it, e = 0."""
+    arm, work, before, after = first_touch()
     _, result = case
     touch = result.contact("left").events[0]
     assert touch.kind == "impact"
     _, omega = CLAW.finger(result)
     i = int(np.flatnonzero(result.times == touch.time)[0])
-    assert omega[i : i + 2] == pytest.approx([BEFORE, AFTER], rel=1e-8)
-    assert CLAW.wall_velocity(result)[i : i + 2] == pytest.approx([0.0, ARM * AFTER], rel=1e-8, abs=1e-12)
-    kept = 0.5 * (CLAW.INERTIA + CLAW.WALL * ARM**2) * AFTER**2
-    assert touch.energy_change == pytest.approx(kept - WORK, rel=1e-8)
+    assert omega[i : i + 2] == pytest.approx([before, after], rel=1e-8)
+    assert CLAW.wall_velocity(result)[i : i + 2] == pytest.approx([0.0, arm * after], rel=1e-8, abs=1e-12)
+    kept = 0.5 * (CLAW.INERTIA + CLAW.WALL * arm**2) * after**2
+    assert touch.energy_change == pytest.approx(kept - work, rel=1e-8)
 
 
 def test_printed_velocity_after_the_impact_makes_energy() -> None:
     """Equation (14) as printed, J cos^2 and m_w L^2 cos: what the example says of it."""
-    inertia = CLAW.MASS / 12.0 + 0.25 * CLAW.MASS * ARM**2
-    after = (inertia * BEFORE + CLAW.WALL * ARM) / (inertia + CLAW.WALL * ARM**2)
-    energy = 0.5 * CLAW.INERTIA * after**2 + 0.5 * CLAW.WALL * (ARM * after) ** 2
-    assert (WORK, energy) == pytest.approx((0.2231, 0.72), rel=0.01)
+    arm, work, before, _ = first_touch()
+    inertia = CLAW.MASS / 12.0 + 0.25 * CLAW.MASS * arm**2
+    after = (inertia * before + CLAW.WALL * arm) / (inertia + CLAW.WALL * arm**2)
+    energy = 0.5 * CLAW.INERTIA * after**2 + 0.5 * CLAW.WALL * (arm * after) ** 2
+    assert (work, energy) == pytest.approx((0.2231, 0.72), rel=0.01)
 
 
 def test_force_is_the_multiplier(case) -> None:

@@ -12,14 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg
-import skfem
-from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
 from lcpflex.dynamics import mechanics as leaves
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.dynamics.spatial.body_forces import turn_modes
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.kinematics.spatial.rotations import compose, exponential, rotation_matrix
+from tests import libs
 from tests.spatial_bodies import MassBody, in_mean_frame, mechanics, orthonormal, spatial_model
 
 FIRST = {1: 4 / 5, 2: -1 / 5, 3: 4 / 105, 4: -1 / 280}
@@ -36,33 +35,34 @@ KINDS = [
     ("quadratic tetrahedra", "clamped"),
 ]
 ELEMENTS = {
-    "hexahedra": skfem.ElementHex1,
-    "quadratic hexahedra": skfem.ElementHex2,
-    "tetrahedra": skfem.ElementTetP1,
-    "quadratic tetrahedra": skfem.ElementTetP2,
+    "hexahedra": "ElementHex1",
+    "quadratic hexahedra": "ElementHex2",
+    "tetrahedra": "ElementTetP1",
+    "quadratic tetrahedra": "ElementTetP2",
 }
 
 
 @cache
 def solid(kind: str, frame: str, n: int = 6) -> MassBody:
     """A block of 1 x 0.6 x 0.4 with a corner cut off its lines of symmetry by a shear; E = 20, nu = 0.3, rho = 1.7."""
+    skfem, h = libs.skfem, libs.skfem_helpers
     sides = [np.linspace(0, length, count) for length, count in ((1.0, 4), (0.6, 3), (0.4, 2))]
     mesh: Any = (skfem.MeshHex if "hexa" in kind else skfem.MeshTet).init_tensor(*sides)
     places = mesh.p.copy()
     places[1] += 0.2 * places[0] + 0.1 * places[0] * places[2]
     mesh = type(mesh)(places, mesh.t)
-    element = ELEMENTS[kind]()
+    element = getattr(skfem, ELEMENTS[kind])()
     basis: Any = skfem.Basis(mesh, element, intorder=5)
     vector: Any = skfem.Basis(mesh, skfem.ElementVector(element), intorder=5)
     mass = 1.7 * skfem.BilinearForm(lambda u, v, _: u * v).assemble(basis).toarray()
     mu, lam = 20.0 / 2.6, 20.0 * 0.3 / (1.3 * 0.4)
 
     def energy(u: Any, v: Any, _: Any) -> Any:
-        e, f = sym_grad(u), sym_grad(v)
-        return ddot(2.0 * mu * e + lam * eye(trace(e), 3), f)
+        e, f = h.sym_grad(u), h.sym_grad(v)
+        return h.ddot(2.0 * mu * e + lam * h.eye(h.trace(e), 3), f)
 
     K = skfem.BilinearForm(energy).assemble(vector).toarray()
-    M = 1.7 * skfem.BilinearForm(lambda u, v, _: dot(u, v)).assemble(vector).toarray()
+    M = 1.7 * skfem.BilinearForm(lambda u, v, _: h.dot(u, v)).assemble(vector).toarray()
     nodes = basis.doflocs.T
     order = np.array([_components(vector, x) for x in nodes])
     assert np.abs(M[np.ix_(order[:, 0], order[:, 0])] - mass).max() < 1e-15

@@ -24,8 +24,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
@@ -186,6 +184,9 @@ def main(count: int = 128, steps: int = 400, path: str = "sphere_chart.png") -> 
         lost = f"energy lost {point.lost:8.2f} J ({point.lost / exact.lost - 1.0:+.1%})"
         solved = f"STRICT {point.residual:.0e}, overlap {point.overlap:.1e} m"
         print(f"{label:26s} {point.name:16s} {point.milliseconds:8.3f} ms, {solved}, {lost}", flush=True)
+    from matplotlib.figure import Figure  # tests take runs from here, and no chart
+    from matplotlib.ticker import NullFormatter
+
     figure = Figure(figsize=(13, 4.5), layout="constrained")
     axes = figure.subplots(1, 3)
     for label, points in series.items():

@@ -51,8 +51,9 @@ def _solvers():
 
 SOLVERS = dict(_solvers())
 FLAT = ContactProblem([[1.0, 0.0], [0.0, 1.0]], [-1.0, 0.1], [0.3])
+FLAT_LCP = Lcp([[1.0, 0.0, 0.0], [-0.3, 1.0, 1.0], [0.6, -1.0, 0.0]], [-1.0, 0.1, 0.0])  # which a kernel assembles
 SPACE = SpatialContactProblem(np.eye(3), [-1.0, 0.1, 0.0], [0.3])
-PLANAR = {name: solver for name, solver in SOLVERS.items() if not (solver.refuses(FLAT) and solver.refuses(FLAT.lcp()))}
+PLANAR = {name: solver for name, solver in SOLVERS.items() if not (solver.refuses(FLAT) and solver.refuses(FLAT_LCP))}
 CONES = {name: solver for name, solver in SOLVERS.items() if not solver.refuses(SPACE)}
 
 

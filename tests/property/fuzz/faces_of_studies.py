@@ -6,10 +6,10 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from matplotlib import pyplot as plt
 
 import lcpflex as lf
 from lcpflex import gallery, studies
+from tests import libs
 from tests.property.fuzz.face import Face, case, result, small_scene
 
 __all__ = ["gallery_faces", "study_faces"]
@@ -57,7 +57,7 @@ def _output() -> studies.Output:
 
 
 def _drawn() -> dict[str, Any]:
-    return {"axes": plt.figure().add_subplot(), "method": "a"}
+    return {"axes": libs.plt.figure().add_subplot(), "method": "a"}
 
 
 def gallery_faces() -> list[Face]:

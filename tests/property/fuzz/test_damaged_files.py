@@ -7,13 +7,13 @@ import random
 import re
 import zipfile
 
-import meshio
 import numpy as np
 import pytest
 import scipy.io
 
 import lcpflex as lf
 from lcpflex import meshes, solvers
+from tests import libs
 from tests.property.fuzz.bad_values import write_files
 from tests.property.fuzz.face import lcp, matrices, result, small_scene
 from tests.property.fuzz.judge import ending_of, limited_memory
@@ -49,12 +49,12 @@ def _saved_mesh(path):
     mesh = meshes.rectangle(0.4, 0.1, 4, 2, order=1)
     cells = {"quad": mesh.t.T}
     places = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
-    meshio.write_points_cells(path, places, cells, file_format={".vtk": "vtk", ".msh": "gmsh"}.get(path.suffix))
+    libs.meshio.write_points_cells(path, places, cells, file_format={".vtk": "vtk", ".msh": "gmsh"}.get(path.suffix))
 
 
 def _mesh_of_fluent(path):
     mesh = meshes.rectangle(0.4, 0.1, 4, 2, order=1)
-    meshio.write_points_cells(path, mesh.p.T, {"quad": mesh.t.T}, file_format="ansys")
+    libs.meshio.write_points_cells(path, mesh.p.T, {"quad": mesh.t.T}, file_format="ansys")
 
 
 def _checkpoint(path):

@@ -11,13 +11,12 @@ import collections
 import inspect
 import random
 
-import matplotlib as mpl
 import pytest
-from matplotlib import pyplot as plt
 
 import lcpflex as lf
 from lcpflex import gallery, laws, meshes, solvers, studies
 from lcpflex.checks import resolution_rules as advice
+from tests import libs
 from tests.property.fuzz.bad_values import NUMBERS, WRONG
 from tests.property.fuzz.callables import INTERNAL, OUTPUTS, PLAIN, SLOW, faces
 from tests.property.fuzz.judge import ending_of, limited_memory
@@ -49,7 +48,7 @@ def wrong_ending(face, argument, label):
     make = VALUES[label]
     with limited_memory():
         end = ending_of(lambda: face.call(**{argument: make()}), argument, [*face.parameters(), argument.rstrip("s")])
-    plt.close("all")
+    libs.plt.close("all")
     if end.kind == "result":
         return end.kind, "" if may_take(face, argument, label) else "a result"
     return end.kind, "" if end.kind == "refused" else f"{end.kind}: {end.said}"
@@ -89,7 +88,7 @@ def sample(seed, count):
 def somewhere(tmp_path, monkeypatch):
     """Files that are written go to a folder of the test."""
     monkeypatch.chdir(tmp_path)
-    mpl.use("Agg")
+    libs.mpl.use("Agg")
 
 
 def test_every_public_callable_is_in_the_table():

@@ -7,16 +7,14 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-import skfem
 from scipy.linalg import expm
 from scipy.optimize import brentq
 from scipy.special import j0, j1
-from skfem.helpers import dot
-from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from lcpflex.bodies import Bar, Beam
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.fem import meshes
+from tests import libs
 from tests.rates import assert_rate
 
 E, RHO, NU = 2e11, 7800.0, 0.3
@@ -56,18 +54,18 @@ def test_matrices_are_those_that_scikit_fem_assembles(triangles, quadratic, plan
     grid = skewed(triangles, quadratic)
     mesh = Continuum(grid, RHO, E, NU, 0.02, plane_strain).finite_elements()
     element = {
-        (True, True): skfem.ElementTriP2,
-        (True, False): skfem.ElementTriP1,
-        (False, True): skfem.ElementQuad2,
-        (False, False): skfem.ElementQuad1,
+        (True, True): libs.skfem.ElementTriP2,
+        (True, False): libs.skfem.ElementTriP1,
+        (False, True): libs.skfem.ElementQuad2,
+        (False, False): libs.skfem.ElementQuad1,
     }[triangles, quadratic]
-    basis = skfem.Basis(grid, skfem.ElementVector(element()), intorder=3 if not quadratic else 5)
-    lame, shear = lame_parameters(E, NU)
+    basis = libs.skfem.Basis(grid, libs.skfem.ElementVector(element()), intorder=3 if not quadratic else 5)
+    lame, shear = libs.elasticity.lame_parameters(E, NU)
     if not plane_strain:
         lame = 2.0 * lame * shear / (lame + 2.0 * shear)
-    stiffness = 0.02 * linear_elasticity(lame, shear).assemble(basis)
-    fine = skfem.Basis(grid, skfem.ElementVector(element()), intorder=8)
-    mass = 0.02 * RHO * skfem.BilinearForm(lambda u, v, w: dot(u, v)).assemble(fine)
+    stiffness = 0.02 * libs.elasticity.linear_elasticity(lame, shear).assemble(basis)
+    fine = libs.skfem.Basis(grid, libs.skfem.ElementVector(element()), intorder=8)
+    mass = 0.02 * RHO * libs.skfem.BilinearForm(lambda u, v, w: libs.skfem_helpers.dot(u, v)).assemble(fine)
     dofs = np.empty(mesh.places.size, dtype=int)  # of scikit-fem, in the order of nodes
     dofs[_nodes_of(basis, grid)] = np.arange(len(dofs))
     order = np.argsort(dofs)
@@ -170,7 +168,7 @@ def test_a_disc_breathes_at_the_closed_form(plane_strain):
     """
     modulus, ratio = (E / (1.0 - NU**2), NU / (1.0 - NU)) if plane_strain else (E, NU)
     xi = brentq(lambda z: z * j0(z) - (1.0 - ratio) * j1(z), 1.0, 3.0)
-    mesh = skfem.MeshTri2.init_circle(2).scaled(0.3)
+    mesh = libs.skfem.MeshTri2.init_circle(2).scaled(0.3)
     body = Continuum(mesh, RHO, E, NU, plane_strain=plane_strain).reduce(12)
     breathing = int(np.abs(body.a).argmax())  # <Phi.x>
     speed = math.sqrt(modulus / (1.0 - ratio**2) / RHO)

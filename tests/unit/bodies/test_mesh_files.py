@@ -5,13 +5,13 @@ from __future__ import annotations
 import contextlib
 import io
 
-import meshio
 import numpy as np
 import pytest
 
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.fem import meshes
 from lcpflex.errors import ModelError, ModelWarning
+from tests import libs
 
 pytestmark = pytest.mark.filterwarnings("ignore:mesh. its stiffness:lcpflex.errors.ModelWarning")  # coarse on purpose
 
@@ -61,14 +61,14 @@ def test_physical_groups_of_gmsh_are_sets_and_surfaces(tmp_path, triangles, quad
         edges, line = np.column_stack([edges, grid.dofs.facet_dofs[0, right]]), "line3"
     tip = int(np.argmin(np.hypot(grid.p[0] - 3.0, grid.p[1] - 1.0)))
     physical = [np.ones(len(cells), int), np.full(len(edges), 2), np.array([3])]
-    written = meshio.Mesh(
+    written = libs.meshio.Mesh(
         np.column_stack([grid.p.T, np.zeros(grid.p.shape[1])]),
         [(NAMES[triangles, quadratic], cells), (line, edges), ("vertex", np.array([[tip]]))],
         cell_data={"gmsh:physical": physical, "gmsh:geometrical": physical},
         field_data={"steel": np.array([1, 2]), "right": np.array([2, 1]), "tip": np.array([3, 0])},
     )
     path = tmp_path / "strip.msh"
-    quietly(meshio.write, path, written, file_format="gmsh22")
+    quietly(libs.meshio.write, path, written, file_format="gmsh22")
     mesh = same_body(path, grid, ["right", "outline"])
     assert mesh.places[mesh.points["tip"]] == pytest.approx([3.0, 1.0])
     assert len(mesh.sets["steel"]) == len(mesh.places)
@@ -170,7 +170,7 @@ def test_nodes_of_the_file_keep_their_order(tmp_path):
     """Those of arcs' centres, which no element has, are left out."""
     points = np.array([[1.0, 1.0, 0], [5.0, 5.0, 0], [0.0, 0.0, 0], [1.0, 0.0, 0], [0.0, 1.0, 0]])
     path = tmp_path / "square.vtk"
-    quietly(meshio.write, path, meshio.Mesh(points, [("quad", np.array([[2, 3, 0, 4]]))]))
+    quietly(libs.meshio.write, path, libs.meshio.Mesh(points, [("quad", np.array([[2, 3, 0, 4]]))]))
     with pytest.warns(ModelWarning, match="node 1 without an element"):
         mesh = Continuum(path, *STEEL).finite_elements()
     assert mesh.places.tolist() == [[1, 1], [0, 0], [1, 0], [0, 1]]
@@ -203,7 +203,7 @@ SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 
 )
 def test_files_without_a_planar_mesh_of_one_kind(tmp_path, points, cells, said):
     path = tmp_path / "wrong.vtk"
-    quietly(meshio.write, path, meshio.Mesh(points, [(kind, np.array(nodes)) for kind, nodes in cells]))
+    quietly(libs.meshio.write, path, libs.meshio.Mesh(points, [(kind, np.array(nodes)) for kind, nodes in cells]))
     with pytest.raises(ModelError, match=said):
         Continuum(path, *STEEL)
 

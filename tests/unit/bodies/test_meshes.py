@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 import pytest
-import skfem
 
 import lcpflex as lf
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.fem import grading as mesh_grading, meshes
 from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
+from tests import libs
 
 STEEL = (7800.0, 2e11, 0.3)
 
@@ -119,14 +119,14 @@ def test_grading_towards_a_line_keeps_names_and_shape():
         (lambda: meshes.half_disc(1.0, 0.1, finest=0.01, within=-1.0), "within: -1.0"),
         (lambda: meshes.half_section_of_rod(1.0, 0.1, 0.0), "size: 0.0"),
         (lambda: meshes.graded(meshes.rectangle(1.0, 1.0, 2, 2), (0.0, 0.0), 0.1), "MeshQuad2 was given"),
-        (lambda: meshes.graded(skfem.MeshTri(), (0.0, 0.0), 0.1, growth=2.0), "growth: 2.0"),
-        (lambda: meshes.graded(skfem.MeshTri(), (0.0, 0.0, 0.0), 0.1), "towards"),
-        (lambda: meshes.graded(skfem.MeshTri(), "corner", 0.1), "towards"),
+        (lambda: meshes.graded(libs.skfem.MeshTri(), (0.0, 0.0), 0.1, growth=2.0), "growth: 2.0"),
+        (lambda: meshes.graded(libs.skfem.MeshTri(), (0.0, 0.0, 0.0), 0.1), "towards"),
+        (lambda: meshes.graded(libs.skfem.MeshTri(), "corner", 0.1), "towards"),
         (lambda: meshes.bar(1.0, 0.1, 3, order=3), "order: 3 was given"),
         (lambda: meshes.ring(0.5, 1.0, 8, 1, order=0), "order: 0 was given"),
         (lambda: meshes.half_disc(1.0, 0.1, order="linear"), "order: 'linear' was given"),
         (lambda: meshes.graded(meshes.half_disc(1.0, 0.3), (0.0, -1.0), 0.1), "an edge is curved at"),
-        (lambda: meshes.quadratic(skfem.MeshTet()), "MeshTet1 was given"),
+        (lambda: meshes.quadratic(libs.skfem.MeshTet()), "MeshTet1 was given"),
         (lambda: meshes.quadratic(None), "NoneType was given"),
     ],
 )
@@ -138,7 +138,7 @@ def test_shapes_that_cannot_be(make, said):
 def test_a_mesh_without_end_is_refused(monkeypatch):
     monkeypatch.setattr(mesh_grading, "ELEMENTS", 5000)
     with pytest.raises(lf.ModelError, match="finest: 1e-09 m was given, expected a mesh of less than"):
-        meshes.graded(skfem.MeshTri(), [(0.0, 0.0), (1.0, 0.0)], 1e-9, growth=1.0)
+        meshes.graded(libs.skfem.MeshTri(), [(0.0, 0.0), (1.0, 0.0)], 1e-9, growth=1.0)
 
 
 def test_two_meshes_that_collide_keep_their_momentum():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -164,19 +165,21 @@ def test_geometric_stiffness_of_uniform_pressure():
     assert 0.5 * axial @ geometric @ axial == pytest.approx(-0.5 * pressure * volume, rel=1e-12)
 
 
-ROD = SolidOfRevolution(meshes.rectangle(0.1, 0.01, 10, 1), RHO, E, NU)
+@cache
+def slim_rod():
+    return SolidOfRevolution(meshes.rectangle(0.1, 0.01, 10, 1), RHO, E, NU)
 
 
 def guided(P, Q, **more):
     scene = lf.Scene(gravity=(0.0, -9.81))
-    rod = scene.add(ROD.reduce(4), "rod", **more)
+    rod = scene.add(slim_rod().reduce(4), "rod", **more)
     scene.join(lf.Prismatic(P(rod), scene.ground.at(*Q[:2]), axis=Q[2:]))
     return scene
 
 
 def test_a_scene_refuses_a_solid_of_revolution_that_nothing_holds():
     scene = lf.Scene()
-    scene.add(ROD.reduce(4), "rod")
+    scene.add(slim_rod().reduce(4), "rod")
     with pytest.raises(lf.ModelError, match=r"'rod': a solid of revolution.*scene\.join\(Prismatic"):
         scene.compiled()
     with pytest.raises(lf.ModelError, match="solid of revolution"):  # across the axis
@@ -192,7 +195,7 @@ def test_a_solid_of_revolution_is_held_along_its_axis_directly_or_by_what_is_hel
     turned = (0.05 * math.cos(0.5), 0.05 * math.sin(0.5), math.cos(0.5), math.sin(0.5))
     guided(lambda rod: rod.point("axis"), turned, angle=0.5).compiled()
     scene = lf.Scene()
-    first, second = (scene.add(ROD.reduce(4), position=(x, 0.0)) for x in (0.0, 0.2))
+    first, second = (scene.add(slim_rod().reduce(4), position=(x, 0.0)) for x in (0.0, 0.2))
     scene.join(lf.Prismatic(first.point("axis"), scene.ground.at(0.0, 0.0)))
     scene.join(lf.Prismatic(first.point("axis"), second.point("axis")))
     scene.compiled()

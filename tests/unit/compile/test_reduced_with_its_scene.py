@@ -15,23 +15,25 @@ from lcpflex.bodies.body import Body
 from lcpflex.bodies.reduction.interface import Interface
 from lcpflex.studies import small_vibrations
 from tests.scenes import floor_of
-from tests.unit.compile.bodies import BEAM, PLATE, RHO, E
+from tests.unit.compile.bodies import BEAM, RHO, E, plate
 
 BENDING = lf.Beam(1.0, 0.02, 0.005, RHO, E, axial=False)
 SOFT = E * 0.02 * 0.005**3 / 12.0  # E I
 
 
 def matrices() -> lf.Matrices:
-    parts = PLATE.finite_elements()
+    parts = plate().finite_elements()
     ring = [int(node) for node in parts.chains["outline"][0]]
     return lf.Matrices(parts.mass, parts.stiffness, parts.places, node_sets={"outline": [*ring, ring[0]]})
 
 
-MODELS: dict[str, tuple[Any, float, float]] = {  # what is reduced, its length, and y of its middle
-    "beam": (BEAM, 1.0, 0.0),
-    "bar": (lf.Bar(1.0, 1e-4, RHO, E, elements=50), 1.0, 0.0),
-    "plate": (PLATE, 0.3, 0.0),
-    "matrices": (matrices(), 0.3, 0.0),
+MODELS: dict[
+    str, tuple[Callable[[], Any], float, float]
+] = {  # what makes what is reduced, its length, and y of its middle
+    "beam": (lambda: BEAM, 1.0, 0.0),
+    "bar": (lambda: lf.Bar(1.0, 1e-4, RHO, E, elements=50), 1.0, 0.0),
+    "plate": (plate, 0.3, 0.0),
+    "matrices": (matrices, 0.3, 0.0),
 }
 
 
@@ -95,7 +97,8 @@ def compliance(body: Body, interface: Interface) -> np.ndarray:
 @pytest.mark.parametrize("acts", HELD, ids=lambda acts: acts.__name__)
 @pytest.mark.parametrize("kind", MODELS)
 def test_compliance_at_every_interface_is_that_of_the_mesh(kind: str, acts: Callable[..., None]) -> None:
-    model, length, y = MODELS[kind]
+    make, length, y = MODELS[kind]
+    model = make()
     scene = lf.Scene()
     acts(scene, scene.add(model, name="b", modes=6, contact_nodes=3), length, y)
     body, interfaces = flexible(scene)
@@ -261,7 +264,7 @@ def test_other_bodies_in_its_place_and_levels() -> None:
 
 
 def test_levels_of_meshes_with_interfaces() -> None:
-    body = PLATE.reduce(3, interfaces=[(0.0, 0.0)])
+    body = plate().reduce(3, interfaces=[(0.0, 0.0)])
     assert body.residual_modes == 3
     assert body.fidelity_levels is not None
     for level in body.fidelity_levels()[:4]:

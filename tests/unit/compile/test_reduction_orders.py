@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from tests.unit.compile.bodies import BEAM, PLATE, RHO, E
+from tests.unit.compile.bodies import BEAM, RHO, E, plate
 
 
 def test_initial_deformation_is_that_of_the_free_modes() -> None:
@@ -23,7 +23,7 @@ def test_initial_deformation_is_that_of_the_free_modes() -> None:
 
 
 def test_damping_of_residual_modes_may_be_their_own() -> None:
-    for model, options in ((BEAM, {}), (PLATE, {}), (lf.Bar(1.0, 1e-4, RHO, E), {})):
+    for model, options in ((BEAM, {}), (plate(), {}), (lf.Bar(1.0, 1e-4, RHO, E), {})):
         scene = lf.Scene()
         body = scene.add(model, modes=3, damping=0.05, residual_damping=0.5, **options)
         scene.contact(body.node(0.3, 0.0), scene.ground.half_plane((0.0, -1.0), (0.0, 1.0)))
@@ -106,8 +106,8 @@ def test_errors_of_a_reduction_name_the_body() -> None:
     with pytest.raises(lf.ModelError, match="body 'arm': modes: 500 was given"):
         scene.compile()
     with pytest.raises(lf.ModelError, match=r"interfaces: 5 was given"):
-        PLATE.reduce(3, interfaces=5)  # type: ignore[arg-type]
+        plate().reduce(3, interfaces=5)  # type: ignore[arg-type]
     with pytest.raises(lf.ModelError, match=r"interfaces\[1\]: "):
-        PLATE.reduce(3, interfaces=[(0.0, 0.0), (0.0, 1.0)])
+        plate().reduce(3, interfaces=[(0.0, 0.0), (0.0, 1.0)])
     with pytest.raises(lf.ModelError, match="forces, moment: both are False"):
         lf.Interface("left", forces=False, moment=False)

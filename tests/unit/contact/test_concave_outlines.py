@@ -12,12 +12,12 @@ import math
 
 import numpy as np
 import pytest
-import skfem
 
 import lcpflex as lf
 from lcpflex.bodies import surface as shapes
 from lcpflex.contact.detection import contact_table, detect
 from lcpflex.jit.struct import pack
+from tests import libs
 
 FAR = math.inf
 
@@ -304,7 +304,7 @@ def test_nodes_of_one_outline_find_the_boundary_of_another(tools):
 
 def meshed_u_on_rough_ground(rng, wall_height):
     """A U of 200 mm, meshed and bending, over ground with a random node every 20 mm."""
-    whole = skfem.MeshQuad.init_tensor(np.linspace(-0.1, 0.1, 11), np.linspace(0.0, 0.16, 9))
+    whole = libs.skfem.MeshQuad.init_tensor(np.linspace(-0.1, 0.1, 11), np.linspace(0.0, 0.16, 9))
     middles = whole.p[:, whole.t].mean(axis=1)
     mesh = whole.restrict(np.flatnonzero((middles[1] < 0.04) | (np.abs(middles[0]) > 0.06)))
     body = lf.Continuum(mesh, density=2700, youngs_modulus=7e8, poissons_ratio=0.33, thickness=0.02)

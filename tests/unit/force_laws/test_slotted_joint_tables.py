@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from tests.examples import example
+from tests.examples import Example, example
 from tests.scenes import disc_on_floor
 
-TABLES = example("slotted_joint_tables")
+TABLES = Example("slotted_joint_tables")
 SHORT = {
     "radzimovsky": "Radzimovsky",
     "johnson": "Johnson",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +16,10 @@ from lcpflex.errors import ModelError
 from lcpflex.results.result import Result
 from lcpflex.results.shapes_of_scenes import LINE, POLYGON, VERTEX, shapes_of
 from lcpflex.results.vtkhdf import distinct
+from tests import libs
 from tests.scenes import disc_on_floor
 
-h5py = pytest.importorskip("h5py")
+pytestmark = pytest.mark.skipif(find_spec("h5py") is None, reason="needs h5py")
 
 STEEL = {"density": 7800.0, "youngs_modulus": 2e11}
 
@@ -178,7 +180,7 @@ def test_middle_cells_of_a_mesh_of_second_order(scene: Result, written: Path) ->
 
 
 def test_cells_stand_in_the_file_once(scene: Result, written: Path) -> None:
-    with h5py.File(written) as file:
+    with libs.h5py.File(written) as file:
         root = file["VTKHDF"]
         assert root.attrs["Type"] == b"UnstructuredGrid"
         n = int(root["NumberOfPoints"][0])
@@ -192,7 +194,7 @@ def test_cells_stand_in_the_file_once(scene: Result, written: Path) -> None:
 
 def test_fewer_instants_and_no_stress(scene: Result, tmp_path: Path) -> None:
     path = scene.to_vtkhdf(tmp_path / "few.vtkhdf", stress=False, every=4)
-    with h5py.File(path) as file, h5py.File(path.with_name("few_contacts.vtkhdf")) as touching:
+    with libs.h5py.File(path) as file, libs.h5py.File(path.with_name("few_contacts.vtkhdf")) as touching:
         np.testing.assert_array_equal(file["VTKHDF/Steps/Values"], scene.times[::4])
         assert set(file["VTKHDF/PointData"]) == {"displacement", "velocity", "deflection"}
         counts = [len(scene.contact_points.at(k).record) for k in range(0, len(scene.times), 4)]

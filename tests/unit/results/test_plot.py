@@ -5,14 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from matplotlib import animation
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.text import Annotation
-from PIL import Image
 
 import lcpflex as lf
 from lcpflex import gallery
@@ -21,7 +17,11 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.results.chart_words import stepper_words, told_apart
 from lcpflex.results.charts import shown_forces
 from lcpflex.results.result import Result
+from tests import libs
 from tests.scenes import floor_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 def test_chart_shows_forces_gaps_and_energies_with_units(swing: Result) -> None:
@@ -64,7 +64,7 @@ def test_picture_shows_the_deformed_outline(swing: Result) -> None:
 
 def arrows(ax: Axes) -> tuple[FloatArray, FloatArray]:
     """Feet and tips (k, 2) of the arrows drawn, the key first."""
-    drawn = [text for text in ax.texts if isinstance(text, Annotation)]
+    drawn = [text for text in ax.texts if isinstance(text, libs.Annotation)]
     return np.array([text.xyann for text in drawn]), np.array([text.xy for text in drawn])
 
 
@@ -236,7 +236,7 @@ def test_title_of_a_stepper_that_is_not_known() -> None:
 
 
 def test_picture_into_given_axes(swing: Result) -> None:
-    figure = Figure()
+    figure = libs.Figure()
     ax = figure.subplots()
     assert swing.draw(0.0, ax) is figure
 
@@ -259,7 +259,7 @@ def test_film_into_a_missing_folder_is_refused_before_it_is_drawn(swing: Result,
 
 def test_film_as_gif(swing: Result, tmp_path: Path) -> None:
     path = swing.animate(tmp_path / "film.gif", fps=10.0, slowdown=2.0)
-    with Image.open(path) as film:
+    with libs.image.open(path) as film:
         assert film.n_frames == 8  # type: ignore[attr-defined]
         assert film.info["duration"] == 100
         first = np.asarray(film.convert("RGB"))
@@ -271,14 +271,15 @@ def test_film_as_gif(swing: Result, tmp_path: Path) -> None:
     assert (later[:, :, 2].astype(int) - later[:, :, 0] > 60).mean() == pytest.approx(blue, rel=0.25)
 
 
-@pytest.mark.skipif(not animation.FFMpegWriter.isAvailable(), reason="ffmpeg is not installed")
 def test_film_as_mp4(swing: Result, tmp_path: Path) -> None:
+    if not libs.animation.FFMpegWriter.isAvailable():
+        pytest.skip("ffmpeg is not installed")
     path = swing.animate(tmp_path / "film.mp4", fps=10.0, slowdown=1.0)
     assert path.read_bytes()[4:8] == b"ftyp"
 
 
 def test_film_without_ffmpeg(swing: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(animation.FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
+    monkeypatch.setattr(libs.animation.FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
     with pytest.raises(ModelError, match="needs ffmpeg"):
         swing.animate(tmp_path / "film.mp4")
 

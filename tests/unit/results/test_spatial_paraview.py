@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import lcpflex as lf
+from tests import libs
 from tests.spatial_scenes import soft_body, thrown
 
-h5py = pytest.importorskip("h5py")
+pytestmark = pytest.mark.skipif(find_spec("h5py") is None, reason="needs h5py")
 
 
 def test_surfaces_and_points_move_with_their_bodies(tmp_path: Path) -> None:
     result = lf.simulate(thrown(), 0.02, lf.MoreauJean(step=1e-3), record=0.005)
     path = result.to_vtkhdf(tmp_path / "run.vtkhdf")
-    with h5py.File(path) as file:
+    with libs.h5py.File(path) as file:
         root = file["VTKHDF"]
         m, count = len(result.times), int(root["NumberOfPoints"][0])
         places = root["Points"][...].reshape(m, count, 3)

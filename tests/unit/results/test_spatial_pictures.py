@@ -8,10 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
-from matplotlib.text import Annotation
-from PIL import Image
 from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
@@ -32,6 +28,7 @@ from lcpflex.results.spatial.ground import patches
 from lcpflex.results.spatial.picture import SpatialPicture
 from lcpflex.results.spatial.raster import NOBODY
 from lcpflex.results.spatial.scenery import Scenery, coil
+from tests import libs
 
 SIDE = 0.0, -90.0  # seen along y: x to the right, z up
 LOOK = Look(SIDE, False, 1.0)
@@ -262,7 +259,7 @@ def test_frames_of_bodies_are_drawn_on_request() -> None:
         seen = camera_of((25.0, 30.0), np.array([0.0, 0.0, -1.0])).seen(np.array([[0.0, 0.0, 0.13], [0.0, 0.0, 0.05]]))
         columns, rows = ((seen[:, :2] - [picture.view[0], picture.view[2]]) * scale).astype(int).T
         tips[frames] = canvas.colour[rows, columns].astype(float)
-    blue = 255.0 * np.array(to_rgb(AXIS_COLOURS[2]))
+    blue = 255.0 * np.array(libs.colors.to_rgb(AXIS_COLOURS[2]))
     np.testing.assert_allclose(tips[True][0], blue, atol=1.0)
     np.testing.assert_allclose(tips[True][1], 0.4 * blue + 0.6 * tips[False][1], atol=1.0)  # inside, shining through
 
@@ -294,16 +291,20 @@ def test_pictures_are_readable(view: tuple[float, float] | None) -> None:
         ({"frames": "all"}, "frames: 'all' was given, expected True or False"),
         ({"scale": -1.0}, r"scale: -1\.0 was given, expected a finite number in"),
         ({"scale": np.inf}, "scale: inf was given"),
-        ({"axes": Figure().add_subplot(projection="3d")}, "axes: 3-D axes were given; expected plain ones"),
     ],
 )
 def test_options_that_cannot_be(options: dict[str, Any], words: str, tmp_path: Path) -> None:
     result = result_of(scene_of((lf.Sphere(0.1, mass=1.0), (0.0, 0.0, 0.0))))
     with pytest.raises(ModelError, match=words):
         result.draw(0.0, **options)
-    if "axes" not in options:
-        with pytest.raises(ModelError, match=words):
-            result.animate(tmp_path / "film.gif", **options)
+    with pytest.raises(ModelError, match=words):
+        result.animate(tmp_path / "film.gif", **options)
+
+
+def test_axes_of_three_dimensions_are_refused() -> None:
+    result = result_of(scene_of((lf.Sphere(0.1, mass=1.0), (0.0, 0.0, 0.0))))
+    with pytest.raises(ModelError, match="axes: 3-D axes were given; expected plain ones"):
+        result.draw(0.0, axes=libs.Figure().add_subplot(projection="3d"))
 
 
 @pytest.mark.parametrize("options", [{"view": (20.0, 30.0)}, {"frames": True}, {"scale": 2.0}])
@@ -317,7 +318,7 @@ def test_options_of_space_are_refused_in_the_plane(options: dict[str, Any], swin
 
 
 def test_a_picture_in_axes_of_the_users() -> None:
-    figure = Figure()
+    figure = libs.Figure()
     ax = figure.subplots(1, 2)[1]
     result = result_of(scene_of((lf.Sphere(0.1, mass=1.0), (0.0, 0.0, 0.0))))
     assert result.draw(0.0, ax) is figure
@@ -349,7 +350,7 @@ def test_film(tmp_path: Path) -> None:
     q[:, 0] = np.linspace(0.0, 1.0, 21)
     path = result_of(compiled, q).animate(tmp_path / "film.gif", fps=10.0, slowdown=1.0, view=(20.0, -70.0))
     frames = []
-    with Image.open(path) as film:
+    with libs.image.open(path) as film:
         assert film.n_frames == 20  # type: ignore[attr-defined]
         for k in (0, 10, 19):
             film.seek(k)
@@ -394,7 +395,7 @@ def test_arrows_are_the_forces_on_the_body_in_the_picture() -> None:
     result = sliding(tilt)
     camera = camera_of(SIDE, np.array([0.0, 0.0, -9.81]))
     figure = result.draw(0.02, view=SIDE)
-    arrows = [one for one in figure.axes[0].texts if isinstance(one, Annotation) and one.arrow_patch is not None]
+    arrows = [one for one in figure.axes[0].texts if isinstance(one, libs.Annotation) and one.arrow_patch is not None]
     ends = np.array([np.subtract(one.xy, one.xyann) for one in arrows])
     key, seen = ends[0], ends[1:]
     assert len(seen) == 4
@@ -440,7 +441,7 @@ def test_of_two_bodies_the_later_one_has_the_arrow_whatever_was_declared_first()
 def test_arrows_stay_within_the_picture() -> None:
     result = sliding(0.4)
     axes = result.draw(0.02).axes[0]
-    tips = np.array([one.xy for one in axes.texts if isinstance(one, Annotation) and one.arrow_patch is not None])
+    tips = np.array([one.xy for one in axes.texts if isinstance(one, libs.Annotation) and one.arrow_patch is not None])
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     assert (tips > [left, low]).all()
     assert (tips < [right, high]).all()

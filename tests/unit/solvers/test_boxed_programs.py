@@ -5,16 +5,16 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import qpsolvers
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import Auto, BoxedLcp, Lcp, MixedLcp, Status, cross_check
 from lcpflex.solvers.lcp.polishing import polish, shortest
 from lcpflex.solvers.lcp.proofs import proves
 from lcpflex.solvers.quadratic_program import QuadraticProgram, duality_gap
+from tests import libs
 
 INF = np.inf
-BACKENDS = sorted(qpsolvers.available_solvers)
+BACKENDS = sorted(libs.qpsolvers.available_solvers)
 INDEFINITE = np.array([[1.0, 2.0], [2.0, 1.0]])
 
 
@@ -244,7 +244,7 @@ class TestNothingIsBelieved:
             x, extras = told.answer
             return SimpleNamespace(x=x, z=None, z_box=np.full(len(program.q), np.nan), found=False, extras=extras)
 
-        monkeypatch.setattr(qpsolvers, "solve_problem", solve_problem)
+        monkeypatch.setattr(libs.qpsolvers, "solve_problem", solve_problem)
         return told
 
     def test_bounds_are_posed_as_they_are(self, asked):

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import qpsolvers
 import scipy.sparse
 
 from lcpflex.solvers import Auto
@@ -16,6 +15,7 @@ from lcpflex.solvers.contact.large.memory import grown, large_memory, widen
 from lcpflex.solvers.contact.large.solving import ROOM, ROUTES, solve_large
 from lcpflex.solvers.contact.large.tracing import trace
 from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED
+from tests import libs
 from tests.islands import Heap, Island, brick_wall, permuted, random_island
 
 
@@ -274,7 +274,7 @@ def test_least_impulses_are_those_of_a_quadratic_program(rows, columns, motion):
     edge[k, 2 * k], edge[k, 2 * k + 1] = -0.5 * slides, 1.0
     equal = np.vstack([J.T, edge[slides != 0.0]])
     right = np.concatenate([J.T @ found, np.zeros((slides != 0.0).sum())])
-    least = qpsolvers.solve_qp(
+    least = libs.qpsolvers.solve_qp(
         scipy.sparse.csc_matrix(np.eye(2 * n)),
         np.zeros(2 * n),
         scipy.sparse.csc_matrix(cone),

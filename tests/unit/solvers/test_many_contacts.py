@@ -1,6 +1,7 @@
 """Contact problems of many contacts: solved by their sparse matrices, within a budget, and told as they are."""
 
 import tracemalloc
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -19,17 +20,22 @@ from tests.piles import SPEED, columns, heap, moving, shuffled
 
 STORED = Path(__file__).parent / "siconos"
 PILES = {
-    "tower": columns(1, 60),
-    "towers": columns(4, 25),
-    "heavy on light": columns(1, 60, ratio=1e3),
-    "light on heavy": columns(1, 60, ratio=1e-3),
-    "pushed": columns(2, 30, push=0.8),
-    "heap": heap(6, 12),
-    "heap, masses 1e3": heap(6, 12, ratio=1e3),
-    "slippery heap": heap(6, 12, friction=0.05),
-    "moving heap": moving(heap(6, 12), 0.5, 1),
-    "moving heap, masses 1e3": moving(heap(6, 12, ratio=1e3), 0.5, 2),
+    "tower": lambda: columns(1, 60),
+    "towers": lambda: columns(4, 25),
+    "heavy on light": lambda: columns(1, 60, ratio=1e3),
+    "light on heavy": lambda: columns(1, 60, ratio=1e-3),
+    "pushed": lambda: columns(2, 30, push=0.8),
+    "heap": lambda: heap(6, 12),
+    "heap, masses 1e3": lambda: heap(6, 12, ratio=1e3),
+    "slippery heap": lambda: heap(6, 12, friction=0.05),
+    "moving heap": lambda: moving(heap(6, 12), 0.5, 1),
+    "moving heap, masses 1e3": lambda: moving(heap(6, 12, ratio=1e3), 0.5, 2),
 }
+
+
+@cache
+def pile_of(name):
+    return PILES[name]()
 
 
 def by_factor(pile):
@@ -54,7 +60,7 @@ def velocity(problem, found):
 class TestAnswers:
     @pytest.mark.parametrize("name", PILES)
     def test_piles(self, name):
-        pile = PILES[name]
+        pile = pile_of(name)
         answers = []
         for problem in (by_factor(pile), by_matrix(pile)):
             assert problem.size > SMALL
@@ -80,7 +86,7 @@ class TestAnswers:
     @pytest.mark.parametrize("seed", range(2))
     @pytest.mark.parametrize("name", ["towers", "heap", "pushed"])
     def test_order_does_not_matter(self, name, seed):
-        pile, order = PILES[name], np.random.default_rng(seed).permutation(len(PILES[name][2]))
+        pile, order = pile_of(name), np.random.default_rng(seed).permutation(len(pile_of(name)[2]))
         found, other = (Auto().solve(by_matrix(one)) for one in (pile, shuffled(pile, seed)))
         assert other.solved
         n = len(order)
@@ -89,7 +95,7 @@ class TestAnswers:
     @pytest.mark.parametrize(("mass", "speed"), [(4.0**-17, 1.0), (4.0**10, 2.0**-30), (1e-10, 1e12)])
     @pytest.mark.parametrize("kind", [by_factor, by_matrix])
     def test_units_do_not_matter(self, mass, speed, kind):
-        J, free, mu = PILES["heap, masses 1e3"]
+        J, free, mu = pile_of("heap, masses 1e3")
         found = Auto(1e-8).solve(kind((J, free, mu)))
         other = Auto(1e-8).solve(kind((J / np.sqrt(mass), free * speed, mu)))
         assert other.solved
@@ -129,7 +135,7 @@ class TestAnswers:
                 assert v[1] == pytest.approx(np.full(count, {"sticking": 0.0, "sliding": 2.5, "open": 3.0}[expected]))
 
     def test_a_warm_start_is_used(self):
-        J, free, mu = PILES["heap, masses 1e3"]
+        J, free, mu = pile_of("heap, masses 1e3")
         problem = by_factor((J, free, mu))
         cold = Auto(1e-8).solve(problem)
         warm = Auto(1e-8).solve(by_factor((J, free * (1.0 + 1e-12), mu)), cold)
@@ -138,7 +144,7 @@ class TestAnswers:
 
     @pytest.mark.parametrize("name", ["towers", "pushed"])
     def test_a_guess_that_is_the_solution_is_returned_with_its_basis(self, name):
-        problem = by_matrix(PILES[name])
+        problem = by_matrix(pile_of(name))
         cold = Auto().solve(problem)
         warm = Auto().solve(problem, cold)
         assert warm.route == "block Gauss-Seidel"
@@ -185,13 +191,13 @@ class TestMethods:
         assert 0 < spent <= 200
 
     def test_newton_alone_solves_what_slides(self):
-        search = Search(by_matrix(PILES["pushed"]), None, 1e-8, FACTORS)
+        search = Search(by_matrix(pile_of("pushed")), None, 1e-8, FACTORS)
         assert search.run(search.newton)
         assert search.route == "proximal Newton"
 
     def test_the_relaxation_is_exact_where_nothing_slides(self):
         for kind in (by_factor, by_matrix):
-            problem = kind(PILES["heavy on light"])
+            problem = kind(pile_of("heavy on light"))
             z = problem.unknowns(*np.split(relaxed_forces(problem), [len(problem.friction)]))
             assert problem.residual(z) <= 1e-9
 
@@ -203,8 +209,8 @@ class TestMethods:
             raise PanicException("index out of bounds")
 
         monkeypatch.setattr(libs.clarabel, "DefaultSolver", fails)
-        assert relaxed_forces(by_factor(PILES["heap"])) is None
-        search = Search(by_factor(PILES["heap, masses 1e3"]), None, 1e-8, FACTORS)
+        assert relaxed_forces(by_factor(pile_of("heap"))) is None
+        search = Search(by_factor(pile_of("heap, masses 1e3")), None, 1e-8, FACTORS)
         assert search.run(search.swept, search.relaxed, search.newton)
         assert search.route == "block Gauss-Seidel (failed) > convex start (failed) > proximal Newton"
 

@@ -1,11 +1,11 @@
 """Performance profiles: shares of problems solved within a factor of the best time."""
 
-import matplotlib.colors
 import numpy as np
 import pytest
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers.benchmark.profile import draw_profile, performance_profile
+from tests import libs
 
 
 class TestProfile:
@@ -58,7 +58,7 @@ class TestProfile:
 
     def test_no_two_lines_look_alike(self):
         (axes,) = draw_profile([str(i) for i in range(20)], 1.0 + np.arange(40.0).reshape(20, 2)).axes
-        looks = {(matplotlib.colors.to_hex(line.get_color()), line.get_marker()) for line in axes.lines}
+        looks = {(libs.colors.to_hex(line.get_color()), line.get_marker()) for line in axes.lines}
         assert len(looks) == 20
 
     def test_nobody_solved_anything(self):

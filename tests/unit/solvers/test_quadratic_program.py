@@ -5,15 +5,15 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import qpsolvers
 import scipy.sparse
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Lcp, Lemke, Status
 from lcpflex.solvers.lcp.proofs import infeasibility
 from lcpflex.solvers.quadratic_program import QuadraticProgram, duality_gap, equilibrium, polish
+from tests import libs
 
-BACKENDS = sorted(qpsolvers.available_solvers)
+BACKENDS = sorted(libs.qpsolvers.available_solvers)
 SQUEEZE = np.array([[1.0, 0.0], [-1.0, 0.0]])
 
 
@@ -40,7 +40,7 @@ def backend_says(monkeypatch):
             asked.append((program, settings))
             return answer(program)
 
-        monkeypatch.setattr(qpsolvers, "solve_problem", solve_problem)
+        monkeypatch.setattr(libs.qpsolvers, "solve_problem", solve_problem)
         return asked
 
     return prepare
@@ -195,7 +195,7 @@ class TestWhatBackendsAreAsked:
     @pytest.mark.parametrize("backend", ["clarabel", "osqp"])
     @pytest.mark.parametrize("known_factor", [False, True])
     def test_the_proof_is_read_off_the_first_answer(self, backend, known_factor, backend_says):
-        solve_problem = qpsolvers.solve_problem
+        solve_problem = libs.qpsolvers.solve_problem
         asked = backend_says(lambda program: solve_problem(program, solver=backend))
         solution = QuadraticProgram(backend).solve(
             Lcp(SQUEEZE @ SQUEEZE.T, [-1.0, -0.5], SQUEEZE if known_factor else None)
@@ -204,7 +204,7 @@ class TestWhatBackendsAreAsked:
         assert len(asked) == 1
 
     def test_box_form_where_the_velocity_form_fails(self, backend_says):
-        solve_problem = qpsolvers.solve_problem
+        solve_problem = libs.qpsolvers.solve_problem
 
         def answer(program):
             if program.G is not None:

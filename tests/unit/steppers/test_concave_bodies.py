@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
-import skfem
 
 import lcpflex as lf
+from tests import libs
 from tests.run_warnings import of_the_run
 
 TEETH = 12
@@ -139,7 +139,7 @@ def test_a_pawl_slides_up_a_tooth_with_massless_contacts() -> None:
 def test_a_meshed_u_that_tumbles_over_rough_ground_sinks_no_deeper_than_its_steps() -> None:
     """A node within the U was below the far side of its legs, by 40 mm, without a force: now as deep as it has come."""
     rng = np.random.default_rng(4)
-    whole = skfem.MeshQuad.init_tensor(np.linspace(-0.1, 0.1, 11), np.linspace(0.0, 0.16, 9))
+    whole = libs.skfem.MeshQuad.init_tensor(np.linspace(-0.1, 0.1, 11), np.linspace(0.0, 0.16, 9))
     middles = whole.p[:, whole.t].mean(axis=1)
     mesh = whole.restrict(np.flatnonzero((middles[1] < 0.04) | (np.abs(middles[0]) > 0.06)))
     body = lf.Continuum(mesh, density=2700, youngs_modulus=7e8, poissons_ratio=0.33, thickness=0.02)
