@@ -16,6 +16,8 @@ from __future__ import annotations
 
 import gc
 import os
+import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -23,6 +25,12 @@ import pytest
 # Read when numpy is loaded, which no plugin does before. Processes share the cores, and threads of BLAS that wait for
 # work of small eigenproblems take them away from each other: nine tenths of the time of test_reductions.py.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# Where no bytecode is to lie beside the sources, it goes to pytest's own cache: to read and rewrite four hundred files
+# anew takes each process five seconds, two thirds of collecting.
+if sys.dont_write_bytecode and sys.pycache_prefix is None:
+    sys.pycache_prefix = str(Path(__file__).parents[1] / ".pytest_cache" / "bytecode")
+    sys.dont_write_bytecode = False
 
 # With a cold cache every process compiles what no other one has finished: each of these files needs one stepper alone.
 FIRST = (
@@ -35,14 +43,25 @@ FIRST = (
 )
 
 
-def pytest_collection() -> None:
+LOADED = pytest.StashKey[set[str]]()
+
+
+def pytest_collection(session: pytest.Session) -> None:
     """Collected tests stay: to look for what of them is garbage takes a third of the collection."""
+    session.config.stash[LOADED] = set(sys.modules)
     gc.disable()
 
 
-def pytest_collection_finish() -> None:
+def pytest_collection_finish(session: pytest.Session) -> None:
+    session.config.stash[LOADED] = set(sys.modules) - session.config.stash[LOADED]
     gc.freeze()
     gc.enable()
+
+
+@pytest.fixture(scope="session")
+def loaded_by_collecting(pytestconfig: pytest.Config) -> set[str]:
+    """Names of the modules that the files of tests load, all of those that are collected with this one."""
+    return pytestconfig.stash[LOADED]
 
 
 @pytest.hookimpl(optionalhook=True)
