@@ -16,6 +16,12 @@ from lcpflex.model.arrays import Bodies, Loads, frozen
 RNG = np.random.default_rng(7)
 
 
+@pytest.fixture(autouse=True)
+def numbers_of_its_own() -> None:
+    """Each test draws from the beginning: the same numbers alone and after others."""
+    RNG.bit_generator.state = np.random.default_rng(7).bit_generator.state
+
+
 def random_bodies(modes: tuple[int, ...], stiffened: tuple[int, ...] = (), shortened: tuple[int, ...] = ()) -> Bodies:
     """Bodies whose integrals come from point masses, so that every matrix is a possible one.
 

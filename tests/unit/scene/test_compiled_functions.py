@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import time
 from typing import Any
 
 import numba
@@ -146,10 +147,12 @@ def test_compiling_in_the_midst_of_a_run_is_no_computing() -> None:
         return late(t) if t > 0.01 else 0.0
 
     told = lf.Function(function, shortest=0.01)  # is not probed, which would compile it before
+    began = time.perf_counter()
     result = lf.simulate(pushed((told, 0.0)), 0.02, STEPPER)
     (compiled,) = late.overloads.values()
     took = compiled.metadata["timers"]["compiler_lock"]
-    assert result.wall_time < 0.5 * took < result.compile_time
+    assert result.compile_time > 0.99 * took
+    assert result.wall_time < time.perf_counter() - began - 0.99 * took  # however long the machine is at other things
 
 
 def smooth_rise(knots: int, span: float) -> lf.Table:

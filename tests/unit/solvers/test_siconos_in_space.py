@@ -5,6 +5,7 @@ the large ones are skipped. All are named in `tests/siconos_in_space.py`, which 
 """
 
 import os
+import time
 from pathlib import Path
 
 import pytest
@@ -53,17 +54,16 @@ def test_the_table_names_them_all():
 @pytest.mark.slow
 def test_the_default_solver_solves_all_but_the_hardest_within_two_minutes():
     """To 1e-10 in the measure of the library; in that of Siconos, whose rounding is up to 1e-10 there, most of them."""
-    place, spent, missed, near = folder(), 0.0, [], 0
+    place, missed, near, began = folder(), [], 0, time.process_time()  # of computing, whoever else is at the machine
     for name in CONTACTS:
         if name != HARD:
             one = answered(load(place, name), name, Auto())
-            spent += one.seconds
             near += one.theirs <= 1e-10 and one.strict <= 1e-10
             if not (one.status in SOLVED and one.residual <= 1e-10):
                 missed.append(one)
     assert missed == []
     assert near >= 40
-    assert spent <= 120.0
+    assert time.process_time() - began <= 120.0
 
 
 @pytest.mark.slow
@@ -81,8 +81,9 @@ def test_newtons_method_solves_them_too():
 @pytest.mark.parametrize("solver", [Auto(), AlartCurnier()], ids=lambda solver: type(solver).__name__)
 def test_the_hardest_is_solved(solver):
     """Proximal points drift along lines of thousands of them: put ahead on these, they arrive within a minute."""
-    one = answered(load(folder(), HARD), HARD, solver)
+    problem, began = load(folder(), HARD), time.process_time()
+    one = answered(problem, HARD, solver)
     assert one.status == "SOLVED"
     assert one.residual <= 1e-10
     assert one.theirs <= 1e-9
-    assert one.seconds <= 120.0
+    assert time.process_time() - began <= 120.0

@@ -105,7 +105,7 @@ class TestProcess:
 
         start = time.perf_counter()
         check = cross_check(PROBLEM, {"hangs": hangs, "Lemke": Lemke()}, repeats=1, time_limit=0.2)
-        assert time.perf_counter() - start < 20.0
+        assert time.perf_counter() - start < 60.0  # of a machine that has much else to do
         row = check.rows[0]
         assert row.status == "TIME_LIMIT"
         assert "killed in its process after 0.2 s" in row.remark
@@ -121,7 +121,7 @@ class TestProcess:
                 os.kill(os.getpid(), 9)
             raise ValueError("no")
 
-        solver = UserSolver(ends, time_limit=20.0)
+        solver = UserSolver(ends, time_limit=60.0)
         for _ in range(2):
             found = solver.solve(PROBLEM)
             assert found.status is Status.NUMERICAL_FAILURE
@@ -136,7 +136,7 @@ class TestProcess:
         process = worker._process
         assert process.is_alive()
         del worker, solver
-        process.join(10.0)
+        process.join(60.0)
         assert not process.is_alive()
 
     def test_a_run_goes_on_as_without(self):
