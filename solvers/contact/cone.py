@@ -26,7 +26,7 @@ from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess
 from lcpflex.solvers.clock import out_of_time
-from lcpflex.solvers.contact.clarabel import SUCCESS, conic_program
+from lcpflex.solvers.contact.clarabel import SHORT_STEP, STEP, SUCCESS, conic_program
 from lcpflex.solvers.contact.cones.relaxed import RelaxedSpatialProblem, relaxed_solution
 from lcpflex.solvers.contact.matrices import as_dense, is_sparse
 from lcpflex.solvers.contact.problem import ContactProblem
@@ -101,11 +101,21 @@ class ConvexFriction:
         return self._judged(relaxed, forces, "Clarabel", iterations, said)
 
     def _solve(self, relaxed: ConvexContactProblem) -> Solution:
-        """Clarabel's point, polished and judged."""
-        program, nowhere = _Program.of(relaxed.contact), np.zeros(relaxed.size)
+        """Clarabel's point, polished and judged; a second one where rounding stops it short, as in a squeeze."""
+        program = _Program.of(relaxed.contact)
         if not program.finite:
-            return self._judged(relaxed, nowhere, "", 0, "the numbers of the problem overflow when they are scaled")
-        x, iterations, said = program.clarabel()
+            words = "the numbers of the problem overflow when they are scaled"
+            return self._judged(relaxed, np.zeros(relaxed.size), "", 0, words)
+        found = self._stepping(relaxed, program, STEP)
+        if found.settled or relaxed.size > LARGEST or out_of_time():
+            return found
+        again = self._stepping(relaxed, program, SHORT_STEP)
+        return again if again.settled or again.residual < found.residual else found
+
+    def _stepping(self, relaxed: ConvexContactProblem, program: _Program, step: float) -> Solution:
+        """What Clarabel finds with steps of so much of the way to the edge of a cone, polished and judged."""
+        nowhere = np.zeros(relaxed.size)
+        x, iterations, said = program.clarabel(step)
         if not np.isfinite(x).all():
             return self._judged(relaxed, nowhere, "Clarabel", iterations, said)
         if relaxed.size > LARGEST:
@@ -202,9 +212,9 @@ class _Program:
         matrix = matrix.data if is_sparse(matrix) else matrix
         return bool(np.isfinite(matrix).all() and np.isfinite(self.c).all() and self.load > 0.0)
 
-    def clarabel(self) -> tuple[FloatArray, int, str]:
+    def clarabel(self, step: float = STEP) -> tuple[FloatArray, int, str]:
         """x (m,), the iterations and what Clarabel says of it."""
-        return conic_program(self.P, self.B, self.c, self.smooth, 2)
+        return conic_program(self.P, self.B, self.c, self.smooth, 2, step)
 
     def turned(self, x: FloatArray) -> FloatArray:
         """Components along the two edges of each plane cone; turned twice is x itself."""
