@@ -90,10 +90,12 @@ class TestAnswers:
         assert u == pytest.approx([0.5, 0.5, 0.0, 0.0, 0.0, 0.0, 1.0], abs=1e-6)
 
     def test_a_squeeze_to_rounding_is_none(self, backend, known_factor):
-        # As above, but rounded: forces of about 1e16 open all contacts.
-        J = np.random.default_rng(0).standard_normal((6, 9))
+        # As above, but for the last digit of one number: forces of about 1e16 open all contacts.
+        J = np.random.default_rng(0).integers(-64, 64, (6, 9)) / 32.0
         J = np.vstack([J, -0.5 * (J[0] + J[1])])
-        problem = Lcp(J @ J.T, -np.ones(7), J if known_factor else None)
+        M = J @ J.T
+        M[6, 6] = np.nextafter(M[6, 6], np.inf)
+        problem = Lcp(M, -np.ones(7), J if known_factor else None)
         solution = QuadraticProgram(backend).solve(problem)
         assert not solution.settled
         assert solution.certificate is None
