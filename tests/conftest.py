@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import gc
 import os
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -32,7 +33,12 @@ if sys.dont_write_bytecode and sys.pycache_prefix is None:
     sys.pycache_prefix = str(Path(__file__).parents[1] / ".pytest_cache" / "bytecode")
     sys.dont_write_bytecode = False
 
-# With a cold cache every process compiles what no other one has finished: each of these files needs one stepper alone.
+# Processes that run tests share the cores; what they need is compiled before they begin.
+COMPILERS = os.environ.get("LCPFLEX_COMPILERS")
+os.environ.setdefault("LCPFLEX_COMPILERS", "1")
+
+# What the list of kernels does not have, every process compiles that no other one has finished: each of these files
+# needs one stepper alone.
 FIRST = (
     "tests/analytic/test_event_driven_closed_forms.py",
     "tests/unit/steppers/test_moreau_jean.py",
@@ -41,6 +47,19 @@ FIRST = (
     "tests/unit/steppers/test_massless_compliance.py",
     "tests/unit/force_laws/test_dissipation.py",
 )
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Kernels for all processes, once, in two processes, where the whole suite is to be run in several."""
+    config = session.config
+    whole = config.args_source is config.ArgsSource.TESTPATHS and not config.option.collectonly
+    if hasattr(config, "workerinput") or not getattr(config.option, "numprocesses", None) or not whole:
+        return
+    print("compiling what is not compiled yet ...", flush=True)
+    environment = {name: value for name, value in os.environ.items() if name != "LCPFLEX_COMPILERS"}
+    environment["LCPFLEX_COMPILERS"] = COMPILERS or "2"  # nothing else runs yet
+    subprocess.run([sys.executable, "-m", "lcpflex", "warmup"], env=environment, stderr=subprocess.DEVNULL)
 
 
 LOADED = pytest.StashKey[set[str]]()

@@ -9,6 +9,7 @@ from lcpflex.basics.lazy import attach
 if TYPE_CHECKING:
     from lcpflex.force_laws.penalty import Penalty
     from lcpflex.gallery import Case, scenes, warmup_cases
+    from lcpflex.jit.background import compile_all_listed
     from lcpflex.jit.cache import lost
     from lcpflex.jit.keys import LEVELS
     from lcpflex.jit.late import compile_all

@@ -6,6 +6,7 @@ import argparse
 import os
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -82,9 +83,11 @@ def fill(folder: str) -> int:
 
 
 def warm() -> int:
-    """Run short scenes that between them use every kernel; the exit code."""
+    """Compile the kernels that are listed, then run short scenes that find the others; the exit code."""
     start = perf_counter()
-    with libs.tqdm(later.warmup_cases(), desc="compiling", unit="scene") as bar:
+    if not private.why_not_thin():
+        later.compile_all_listed(partial(libs.tqdm, desc="compiling", unit="kernel"))
+    with libs.tqdm(later.warmup_cases(), desc="trying", unit="scene") as bar:
         for case in bar:
             bar.set_postfix_str(f"{case.name}, {type(case.stepper).__name__}")
             later.simulate(case.build(), case.duration, case.stepper, progress=False, project=True)

@@ -14,12 +14,17 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable, Iterable
+from pathlib import Path
 from threading import RLock, Thread
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING, Any
 
 from lcpflex.jit.cache_folders import cache_folders, say_once, use_only
 
-__all__ = ["VARIABLE", "assist", "compile_list", "expect", "writing"]
+if TYPE_CHECKING:
+    from lcpflex.jit.manifest import Entry
+
+__all__ = ["VARIABLE", "assist", "compile_all_listed", "expect", "writing"]
 
 VARIABLE = "LCPFLEX_COMPILERS"  # processes that compile for one: 1, or 2 whatever else the machine does
 START = (
@@ -27,6 +32,7 @@ START = (
     "from lcpflex.jit.background import serve; serve(job)"
 )
 FREE = 0.75  # of a core, by the load of the last minute: the process that asks has used part of one itself
+WORTH = 0.25  # of a list must be missing: a process takes a second to begin, a list half a minute to compile
 PATIENCE = 10.0  # for the end of a process that was told to end [s]
 
 writing = RLock()  # held while a file is written: the process does not end there
@@ -44,16 +50,64 @@ def assist() -> None:
     """Start the second process if a run is under way, its kernels are missing, and a core is free; once."""
     global _expected
     run, _expected = _expected, ""
-    if run and not _started and _may_start() and _is_missing(run):
-        start(run)
+    if run and not _started and _may_start():
+        from lcpflex.jit.manifest import entries_of
+
+        entries = entries_of(run)
+        if sum(map(_is_missing, entries)) > WORTH * len(entries):
+            _start(run)
 
 
-def start(run: str = "") -> subprocess.Popen[bytes] | None:
+def compile_all_listed(bar: Callable[[list[Entry]], Iterable[Entry]]) -> None:
+    """Compile the kernels of all lists that are missing, in two processes where that can be.
+
+    ``bar``: shows how far it has come.
+    """
+    from lcpflex.jit.manifest import all_entries
+
+    missing = list(filter(_is_missing, all_entries()))
+    second = _start("") if missing and _may_start() else None
+    _compile(bar(missing))
+    if second is not None:
+        second.wait()  # for the last one, which it has begun
+
+
+def _compile(entries: Iterable[Entry]) -> None:
+    """Compile kernels that are not there by then, nor under way; entries that no longer hold are passed over."""
+    for entry in entries:
+        if _is_missing(entry):
+            try:
+                entry.dispatcher().compile(entry.arguments)
+            except Exception:
+                continue
+
+
+def _is_missing(entry: Entry) -> bool:
+    """Whether no folder has a kernel, and no process is at it; not of an entry that no longer holds."""
+    try:
+        return bool(entry.dispatcher()._cache.is_missing(entry.arguments))
+    except Exception:  # a kernel that is gone, other versions of numba
+        return False
+
+
+def _may_start() -> bool:
+    """Whether a second process is wanted, and has a core of its own."""
+    wish = os.environ.get(VARIABLE, "")
+    if wish in ("1", "2"):
+        return wish == "2"
+    if not sys.executable or getattr(sys, "frozen", False):
+        return False
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
+    return cores >= 2 and cores - load >= FREE
+
+
+def _start(run: str) -> subprocess.Popen[bytes] | None:
     """A process that compiles the kernels of a kind of run, of all kinds if it is empty; None where there can be none.
 
     It ends by itself, and with this process.
     """
-    job = {"path": sys.path, "run": run, "folders": [str(folder) for folder in cache_folders()]}
+    job = {"path": sys.path, "run": run, "folders": list(map(str, cache_folders()))}
     flags = ["-" + "O" * sys.flags.optimize] if sys.flags.optimize else []
     try:
         process = subprocess.Popen(
@@ -69,31 +123,8 @@ def start(run: str = "") -> subprocess.Popen[bytes] | None:
     if not _started:
         atexit.register(_end)
     _started.append(process)
-    say_once("a second process compiles beside this one")
+    say_once(f"a second process compiles on another core ({VARIABLE}=1: none)")
     return process
-
-
-def _may_start() -> bool:
-    """Whether a second process is wanted, and has a core of its own."""
-    wish = os.environ.get(VARIABLE, "")
-    if wish in ("1", "2"):
-        return wish == "2"
-    if not sys.executable or getattr(sys, "frozen", False):
-        return False
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
-    return cores >= 2 and cores - load >= FREE
-
-
-def _is_missing(run: str) -> bool:
-    """Whether the last kernel of a list, which all the others are for, is in none of the folders."""
-    from lcpflex.jit.manifest import entries_of
-
-    try:
-        entries = entries_of(run)
-        return bool(entries) and not entries[-1].dispatcher()._cache.has(entries[-1].arguments)
-    except Exception:  # an entry that no longer holds
-        return True
 
 
 def _end() -> None:
@@ -111,12 +142,12 @@ def _end() -> None:
 
 def serve(job: dict[str, Any]) -> None:
     """What the second process does: it ends when the first one has, or when the list is done."""
-    Thread(target=_watch, args=(sys.stdin.buffer,), daemon=True).start()
-    if job["folders"] != [str(folder) for folder in cache_folders()]:
-        from pathlib import Path
+    from lcpflex.jit.manifest import all_entries, entries_of
 
+    Thread(target=_watch, args=(sys.stdin.buffer,), daemon=True).start()
+    if job["folders"] != list(map(str, cache_folders())):
         use_only(Path(job["folders"][0]))
-    compile_list(job["run"], backwards=True)
+    _compile(reversed(entries_of(job["run"]) if job["run"] else all_entries()))
 
 
 def _watch(pipe: IO[bytes]) -> None:
@@ -124,17 +155,3 @@ def _watch(pipe: IO[bytes]) -> None:
     pipe.read()
     with writing:
         os._exit(0)
-
-
-def compile_list(run: str = "", backwards: bool = False) -> None:
-    """Compile the kernels of a kind of run, of all kinds if it is empty, but for those that are there or under way."""
-    from lcpflex.jit.manifest import all_entries, entries_of
-
-    entries = entries_of(run) if run else all_entries()
-    for entry in reversed(entries) if backwards else entries:
-        try:
-            dispatcher = entry.dispatcher()
-            if dispatcher._cache.is_missing(entry.arguments):
-                dispatcher.compile(entry.arguments)
-        except Exception:  # an entry that no longer holds
-            continue

@@ -85,21 +85,16 @@ class KernelCache(_Cache):  # type: ignore[misc]
                     say_once(self._remark)
         return loaded
 
-    def has(self, arguments: tuple[Any, ...]) -> bool:
-        """Whether a folder has the kernel for argument types."""
-        return any((folder / (key + ENDING)).exists() for key in self._own_keys(arguments) for folder in cache_folders())
-
     def is_missing(self, arguments: tuple[Any, ...]) -> bool:
-        """Whether no folder has the kernel for argument types, and no process compiles it."""
-        if self.has(arguments):
-            return False
-        folder, keys = keeper(), self._own_keys(arguments)
-        return folder is None or not keys or not FileLock(folder / f"{keys[0]}.lock").is_held()
-
-    def _own_keys(self, arguments: tuple[Any, ...]) -> list[str]:
+        """Whether no folder has the kernel for argument types, one can keep it, and no process is at it."""
         from numba.core.registry import cpu_target
 
-        return list(self._keys(arguments, cpu_target.target_context.codegen()))
+        folder, keys = keeper(), list(self._keys(arguments, cpu_target.target_context.codegen()))
+        if folder is None or not keys:
+            return False
+        if any((known / (key + ENDING)).exists() for key in keys for known in cache_folders()):
+            return False
+        return not FileLock(folder / f"{keys[0]}.lock").is_held()
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a compiled kernel; the run goes on where that cannot be."""

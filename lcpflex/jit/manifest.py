@@ -39,7 +39,8 @@ class Entry(NamedTuple):
     def dispatcher(self) -> Any:
         """What compiles it; of a leaf, the kernel that it was declared with."""
         found = getattr(import_module(self.module), self.name)
-        return (found.default if isinstance(found, Leaf) else found).made
+        kernel: Any = found.default if isinstance(found, Leaf) else found
+        return kernel.made
 
 
 class Types:

@@ -21,6 +21,7 @@ from lcpflex.checks.wound_springs import wound_spring
 from lcpflex.dynamics.impact_laws import Newton
 from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
 from lcpflex.force_laws.friction.creep import crept
+from lcpflex.jit.background import expect
 from lcpflex.results.energy_balance import Energies, EnergyGrowth, energy_warnings, lift_of
 from lcpflex.results.problem_log import ProblemLog, RecordProblems
 from lcpflex.results.result import Event, Result
@@ -43,10 +44,22 @@ if TYPE_CHECKING:
     from lcpflex.scene.user_system import UserSystem
     from lcpflex.steppers.system import System
 
-__all__ = ["Stepper", "carry_out", "given_up_after", "simulate"]
+__all__ = ["Stepper", "carry_out", "given_up_after", "kind_of_run", "simulate"]
 
 CHUNK_SECONDS = 0.1  # wall time between looks at progress and at Ctrl-C
 NAMED = 8  # closed contacts that an error names
+
+
+def kind_of_run(scene: object, stepper: object) -> str:
+    """Which kernels a run needs, in a few words: "plane MoreauJean"; "" for a user's own system.
+
+    By them the kernels that another process may compile meanwhile are listed (:mod:`lcpflex.jit.manifest`).
+    """
+    if not hasattr(scene, "spatial"):
+        return ""
+    integrator = getattr(stepper, "integrator", None)
+    marks = [type(integrator).__name__] if integrator else ["adaptive"] if getattr(stepper, "adaptive", None) else []
+    return " ".join(["space" if scene.spatial else "plane", type(stepper).__name__, *marks])
 
 
 def simulate(
@@ -113,6 +126,7 @@ def simulate(
     duration, interval, progress, project = checked_request(
         duration, stepper, record, progress, project, energy_growth, record_problems
     )
+    expect(kind_of_run(scene, stepper))
     source = compiled_for(scene, stepper, project or isinstance(initial, Rest))
     notes: tuple[str, ...] = ()
     if initial is not None:

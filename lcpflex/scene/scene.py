@@ -7,7 +7,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -51,6 +51,8 @@ class Scene:
     ModelError
         Here and in every method, for arguments that cannot be.
     """
+
+    spatial: ClassVar[bool] = False
 
     def __init__(self, gravity: npt.ArrayLike = (0.0, -9.81)) -> None:
         self.gravity = planar_gravity(gravity)

@@ -1,0 +1,194 @@
+"""A second process that compiles: the same kernels, whoever dies, and how many the demo needs."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numba
+import pytest
+
+from lcpflex.jit import background, manifest
+from lcpflex.jit.kernel_file import ENDING, KernelFile
+from lcpflex.jit.private import why_not_thin
+from lcpflex.jit.struct_type import packed_type
+
+pytestmark = [
+    pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="there are no kernels"),
+    pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are started in another way"),
+]
+
+# The demo's run with an empty cache: its bits, what this process compiled, and the CPU time of that [s].
+RUN = """
+import hashlib, json, sys, time
+from lcpflex.jit import cache
+compiled = []
+save = cache.KernelCache.save_overload
+def saved(self, sig, data):
+    compiled.append((self._py_func.__qualname__, len(self._py_func.__code__.co_code)))
+    print(len(compiled), file=sys.stderr, flush=True)
+    save(self, sig, data)
+cache.KernelCache.save_overload = saved
+import lcpflex as lf
+from lcpflex import gallery
+from lcpflex.jit import background
+case = gallery.scenes()["pendulum"]
+result = lf.simulate(case.build(), case.duration, case.stepper, progress=False)
+bits = hashlib.sha256(b"".join(array.tobytes() for array in (result.times, result.q, result.u, result.force)))
+seconds = [process.pid for process in background._started]
+print(json.dumps({"bits": bits.hexdigest(), "compiled": compiled, "cpu": time.process_time(), "second": seconds}))
+"""
+# Measured 207 kernels and 84,000 bytes; another tenth is a second of everybody's first run, and wants a reason.
+KERNELS, BYTES = 230, 95_000
+
+
+def environment(cache: Path, compilers: str) -> dict[str, str]:
+    """Of a process with this folder of kernels and this many compilers."""
+    return {**os.environ, "LCPFLEX_CACHE_PATH": str(cache), background.VARIABLE: compilers}
+
+
+def run(cache: Path, compilers: str) -> dict[str, Any]:
+    """The demo's run."""
+    shown = subprocess.run(
+        [sys.executable, "-c", RUN], env=environment(cache, compilers), capture_output=True, text=True, check=True
+    )
+    found: dict[str, Any] = json.loads(shown.stdout)
+    return found
+
+
+def whole(cache: Path) -> bool:
+    """Whether no file of a folder is damaged."""
+    files = list(cache.glob("*" + ENDING))
+    return bool(files) and all(KernelFile.unpacked(path.read_bytes(), path.stem) for path in files)
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """The run in one process, from an empty folder."""
+    return run(tmp_path_factory.mktemp("alone"), "1")
+
+
+@pytest.mark.slow
+def test_what_the_demo_compiles(alone: dict[str, Any]) -> None:
+    """First use is bytecode: a quarter of a second for a kilobyte, and no kernel but those of this scene."""
+    assert alone["second"] == []
+    assert 100 < len(alone["compiled"]) <= KERNELS
+    assert 40_000 < sum(size for _, size in alone["compiled"]) <= BYTES
+
+
+@pytest.mark.slow
+def test_two_processes_give_the_same_bits(alone: dict[str, Any], tmp_path: Path) -> None:
+    both = run(tmp_path, "2")
+    assert both["bits"] == alone["bits"]
+    assert len(both["second"]) == 1
+    assert len(both["compiled"]) < len(alone["compiled"])
+    assert whole(tmp_path)
+    again = run(tmp_path, "2")
+    assert (again["bits"], again["compiled"], again["second"]) == (alone["bits"], [], [])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("victim", ["first", "second"])
+def test_a_process_that_is_killed_leaves_nothing_wrong(victim: str, alone: dict[str, Any], tmp_path: Path) -> None:
+    """The other one goes on, or ends; the next run is as any other."""
+    first = subprocess.Popen(
+        [sys.executable, "-c", RUN],
+        env=environment(tmp_path, "2"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert first.stderr is not None and first.stdout is not None
+    while first.stderr.readline().strip() != "30":  # kernels of the first process
+        assert first.poll() is None
+    (second,) = children(first.pid)
+    if victim == "first":
+        first.kill()
+        first.wait()
+        ended(second)
+    else:
+        os.kill(second, signal.SIGKILL)
+        for _ in first.stderr:  # read on, so that it is never full
+            pass
+        assert json.loads(first.stdout.read())["bits"] == alone["bits"]
+        assert first.wait() == 0
+    assert whole(tmp_path)
+    assert run(tmp_path, "1")["bits"] == alone["bits"]
+
+
+def children(process: int) -> list[int]:
+    """The processes that one has started."""
+    told = subprocess.run(["ps", "-o", "pid=", "--ppid", str(process)], capture_output=True, text=True).stdout
+    return [int(number) for number in told.split()]
+
+
+def ended(process: int) -> None:
+    """Wait until a process is gone, which is no child of this one."""
+    while True:
+        try:
+            os.kill(process, 0)
+        except ProcessLookupError:
+            return
+        state = subprocess.run(["ps", "-o", "stat=", "-p", str(process)], capture_output=True, text=True).stdout
+        if state.startswith("Z"):  # nobody has asked for its exit code yet
+            return
+        time.sleep(0.05)
+
+
+def test_the_second_process_ends_with_the_first(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Its pipe is closed then, however the first one ends."""
+    monkeypatch.setenv("LCPFLEX_CACHE_PATH", str(tmp_path))
+    started = background._start("plane MoreauJean")
+    assert started is not None and started.stdin is not None
+    started.stdin.close()
+    assert started.wait() == 0
+    background._started.remove(started)
+
+
+@pytest.mark.parametrize(
+    ("wish", "cores", "load", "starts"),
+    [("1", 8, 0.0, False), ("2", 1, 9.0, True), ("", 1, 0.0, False), ("", 2, 0.3, True), ("", 2, 1.9, False)],
+)
+def test_where_a_second_process_starts(
+    wish: str, cores: int, load: float, starts: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where another core is free, or as one likes."""
+    monkeypatch.setenv(background.VARIABLE, wish)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(cores)), raising=False)
+    monkeypatch.setattr(os, "getloadavg", lambda: (load, load, load), raising=False)
+    assert background._may_start() == starts
+
+
+def test_types_in_words() -> None:
+    """And back: numbers, arrays, tuples, structs, and two structs of one name."""
+    array, number = numba.types.Array, numba.float64
+    inner = packed_type("Inner", (("n", numba.int64), ("x", array(number, 2, "C"))))
+    other = packed_type("Inner", (("n", numba.int64), ("x", array(number, 2, "C", readonly=True))))
+    outer = packed_type("Outer", (("a", inner), ("b", other), ("y", array(numba.int64, 1, "A", aligned=False))))
+    pair = numba.types.BaseTuple.from_types([number, number])
+    mixed = numba.types.BaseTuple.from_types([number, numba.boolean])
+    types = manifest.Types({})
+    words = [types.told(kind) for kind in (outer, other, pair, mixed, numba.boolean)]
+    assert words == ["Outer", "Inner#2", "tuple(float64,float64)", "tuple(float64,bool)", "bool"]
+    again = manifest.Types(json.loads(json.dumps(types.structs)))
+    assert [again.made(told) for told in words] == [outer, other, pair, mixed, numba.boolean]
+    with pytest.raises(ValueError, match="complex"):
+        types.told(numba.complex128)
+
+
+@pytest.mark.skipif(bool(why_not_thin()), reason="numba links the kernels")
+def test_listed_kernels_exist() -> None:
+    """Each by its name, with types that can be made, in runs of all kinds; ``tests/record_manifest.py`` renews them."""
+    entries = manifest.all_entries()
+    assert len(entries) > 200
+    for entry in entries:
+        assert len(entry.arguments) == len(entry.dispatcher().py_func.__code__.co_varnames[: len(entry.arguments)])
+        assert entry.dispatcher().py_func.__code__.co_argcount == len(entry.arguments), entry
+    assert manifest.entries_of("plane MoreauJean") and manifest.entries_of("space EventDriven")
+    assert manifest.entries_of("none such") == []
