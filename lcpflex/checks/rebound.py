@@ -53,9 +53,10 @@ def rebounds(result: Result) -> tuple[str, ...]:
     compiled = result.compiled
     if compiled is None or not np.isfinite(result.q).all():
         return ()
-    restitution, struck = compiled.model.contacts.restitution, []
-    for law, name in enumerate(result.contact_names):
-        if restitution[law] > 0.0 and name not in result.compliant and result.impulse[-1:, law, 0].any():
+    restitution, compliant, struck = compiled.model.contacts.restitution, set(result.compliant), []
+    pressed = np.asarray(result.impulse[-1:, :, 0].any(axis=0))
+    for law in np.flatnonzero(pressed & (restitution[: len(pressed)] > 0.0)).tolist():
+        if result.contact_names[law] not in compliant:
             collision = _hardest(result, compiled, law)
             if collision is not None:
                 struck.append((law, collision))

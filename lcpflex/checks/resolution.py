@@ -15,6 +15,7 @@ import math
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lcpflex.checks.resolution_rules import PAIRS, PER_WAVELENGTH, element_size, excited_frequency
 from lcpflex.compile.compiled_scene import CompiledScene
@@ -34,7 +35,8 @@ def unresolved(result: Result) -> tuple[str, ...]:
     if result.compiled is None:
         return ()
     found = []
-    for law, name in enumerate(result.contact_names):
+    for law in np.flatnonzero(_pressed(result)).tolist():
+        name = result.contact_names[law]
         found.append(_few_pairs(result, law, name))
         duration = _push(result.times, result.impulse[:, law, 0])
         if duration > 0.0:
@@ -44,12 +46,19 @@ def unresolved(result: Result) -> tuple[str, ...]:
     return tuple(text for text in found if text)
 
 
+def _pressed(result: Result) -> NDArray[np.bool_]:
+    """Which contacts took a force or an impulse: of all pairs that were declared, mostly few."""
+    return np.asarray((result.force[:, :, 0] > 0.0).any(axis=0) | result.impulse[:, :, 0].any(axis=0))
+
+
 def _few_pairs(result: Result, law: int, name: str) -> str:
     """Where nodes of a mesh touch, or a disc touches a mesh, and fewer than 9 pairs carry the greatest force."""
     assert result.compiled is not None
     nodes, surfaces = _meshed_nodes(result.compiled, law), _surfaces_of_discs(result.compiled, law)
+    if not (nodes or surfaces):
+        return ""
     history = result.contact(name)
-    if not (nodes or surfaces) or not history.peak_force > 0.0:
+    if not history.peak_force > 0.0:
         return ""
     pairs = int(history.pairs[history.force[:, 0] >= NEAR_PEAK * history.peak_force].max())
     if pairs == 0 or pairs >= PAIRS:

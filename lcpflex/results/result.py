@@ -22,6 +22,7 @@ from lcpflex.model.recovery import small_enough
 from lcpflex.results import later
 from lcpflex.results.contact_history import ContactHistory, ContactPoints, Event, StateArray, untouched
 from lcpflex.results.contact_windows import INSTANTS, ContactWindow
+from lcpflex.results.contacts_by_name import contacts_by_name
 from lcpflex.results.energy_balance import Energies
 from lcpflex.results.instant import Instant
 from lcpflex.results.material import body_index, material_of
@@ -69,7 +70,7 @@ __all__ = [
 __getattr__, __dir__ = attach(__name__)  # classes of what the methods return
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Result:
     """A simulation at m stored instants, with nc declared contacts and ndof coordinates.
 
@@ -164,14 +165,16 @@ class Result:
 
         A pair that a rule is for and that never touched has a name as well, and histories of no force.
         """
-        if isinstance(name, str) and name not in self.contact_names and self.compiled and pair_of(self.compiled, name):
-            return untouched(name, self.times, self.force.shape[2])
-        if not isinstance(name, str) or name not in self.contact_names:
+        found = contacts_by_name(self)
+        k = found.number.get(name) if isinstance(name, str) else None
+        if k is None:
+            if isinstance(name, str) and self.compiled and pair_of(self.compiled, name):
+                return untouched(name, self.times, self.force.shape[2])
             raise ModelError(f"name: no contact {absent(name, self.contact_names)}")
-        k = self.contact_names.index(name)
-        events = tuple(event for event in self.events if event.contact == name)
+        events = found.events.get(name, ())
         first = min((event.time for event in events), default=float("inf"))
-        pressed = (self.contact_points.contact == k) & (self.contact_points.force[:, 0] > 0.0)
+        points = found.points(k)
+        pressed = points[self.contact_points.force[points, 0] > 0.0]
         pairs = np.bincount(self.contact_points.record[pressed], minlength=len(self.times))
         force, impulse, state, gap = self.force[:, k], self.impulse[:, k], self.state[:, k], self.gap[:, k]
         crept = self.crept[k] if self.crept else 0.0

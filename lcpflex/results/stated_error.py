@@ -301,7 +301,7 @@ def error_shares(result: Result) -> tuple[float, float] | None:
     moved = (result.q - result.q[0])[:, origins]
     travel = float(np.sqrt((moved * moved).sum(axis=2)).max(initial=0.0))
     extent = max(scene_size(result) or 0.0, travel)
-    speed = float(Units(model, result.u.shape[1]).of(result.u).max(initial=0.0))
+    speed = Units(model, result.u.shape[1]).largest(result.u)
     slow = AT_REST * extent / result.duration
     tiny = np.finfo(float).tiny
     return result.place_error / max(extent, tiny), result.speed_error / max(speed, slow, tiny)

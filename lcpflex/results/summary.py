@@ -31,10 +31,14 @@ ROUNDING = 1e-12  # tangential impulse below this share of the normal one is non
 FINE = " Whether the step and the modes are fine enough, only a second run with finer ones shows."
 LISTED = 8  # contacts that are described one by one
 
+Shares = tuple[float, float] | None  # the stated errors of places and velocities, see error_shares
+
 
 def summary(result: Result) -> str:
     """Several short paragraphs; the last one says whether the result can be trusted."""
-    parts = [_run(result), _contacts(result), _energy(result), _accuracy(result), _warnings(result), _verdict(result)]
+    shares = error_shares(result)
+    parts = [_run(result), _contacts(result), _energy(result), _accuracy(result, shares), _warnings(result)]
+    parts.append(_verdict(result, shares))
     return "\n\n".join(part for part in parts if part)
 
 
@@ -216,7 +220,7 @@ def _energy(result: Result) -> str:
     return "\n".join(["Energy [J]", *lines])
 
 
-def _accuracy(result: Result) -> str:
+def _accuracy(result: Result, shares: Shares) -> str:
     indentation = _largest(result.penetration if result.all_compliant else _indentation(result))
     by_law = f"largest indentation {with_unit(indentation, 'm')}; " if result.compliant else ""
     others = "" if result.all_compliant else f"largest penetration {with_unit(_largest(result.penetration), 'm')}; "
@@ -226,13 +230,12 @@ def _accuracy(result: Result) -> str:
         f"largest joint drift {with_unit(_largest(result.joint_drift), 'm')}; "
         f"largest residual of a contact problem {_largest(result.residual):.1e} of its terms, "
         f"{_strict(result):.1e} of the free velocity"
-        f"{_steps(result)}"
+        f"{_steps(result, shares)}"
     )
 
 
-def _steps(result: Result) -> str:
+def _steps(result: Result, shares: Shares) -> str:
     """The error of the steps, as the result states it; empty where it does not."""
-    shares = error_shares(result)
     if shares is None or result.place_error is None or result.speed_error is None:
         return ""
     place, speed = shares
@@ -254,11 +257,11 @@ def _warnings(result: Result) -> str:
     return "\n".join(["Warnings", *(f"  {text}" for text in result.warnings)]) if result.warnings else ""
 
 
-def _verdict(result: Result) -> str:
+def _verdict(result: Result, shares: Shares) -> str:
     reasons = doubts(result)
     if reasons:
         return "NOT to be trusted as it stands: " + "; ".join(reasons) + "."
-    coarse = _coarse(result)
+    coarse = _coarse(shares)
     if result.warnings:
         return "Can be trusted as far as its own checks see, but read the warnings above." + coarse
     return (
@@ -266,9 +269,9 @@ def _verdict(result: Result) -> str:
     ) + (coarse or FINE)
 
 
-def _coarse(result: Result) -> str:
+def _coarse(shares: Shares) -> str:
     """What the result states of the error of its steps, where that is large; else empty."""
-    place, speed = error_shares(result) or (0.0, 0.0)
+    place, speed = shares or (0.0, 0.0)
     if max(place, speed) <= COARSE:
         return ""
     named = [(place, "places"), (speed, "velocities")]

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ORDER", "UNSTORED", "Sampling", "Units", "carried"]
 
+ROWS = 256  # that are looked at together; free: a matrix product pays for its call from some ten on
 BLOCK = 4  # steps of a sample
 SAMPLES = 12  # of a run: each costs some 0.1 ms
 GOLDEN = 0.6180339887498949
@@ -73,15 +74,55 @@ class Units:
         if self.own:
             return np.asarray(np.abs(change))
         moved = np.zeros((*change.shape[:-1], self.count))
-        _, rigid, components = self._size
-        for b, (first, last, extent, phi) in enumerate(self._bodies):
-            moved[..., b] = lengths(change[..., first : first + components])
-            moved[..., b] += extent * lengths(change[..., first + components : first + rigid])
-            if phi.size:
-                bent = np.abs(change[..., first + rigid : last]) @ np.abs(phi.T)
-                places = bent.reshape(*bent.shape[:-1], phi.shape[0] // components, components)
-                moved[..., b] += lengths(places).max(axis=-1)
+        for b in range(self.count):
+            moved[..., b] = self._as_rigid(b, change)
+            if self._bodies[b][3].size:
+                moved[..., b] += self._bent(b, change)
         return moved
+
+    def largest(self, change: FloatArray) -> float:
+        """Largest of :meth:`of` over the m rows of ``change`` (m, ndof).
+
+        Rows come in the order of an upper bound, until it is below what has been found: few are looked at closely.
+        """
+        if self.own or not np.isfinite(change).all():
+            return float(self.of(change).max(initial=0.0))
+        found = 0.0
+        for b in range(self.count):
+            rigid = self._as_rigid(b, change)
+            if not self._bodies[b][3].size:
+                found = max(found, float(rigid.max(initial=0.0)))
+                continue
+            bound = rigid + self._bent_at_most(b, change)
+            order = np.argsort(-bound)
+            for start in range(0, len(order), ROWS):
+                rows = order[start : start + ROWS]
+                if bound[rows[0]] <= found:
+                    break
+                found = max(found, float((rigid[rows] + self._bent(b, change[rows])).max()))
+        return found
+
+    def _as_rigid(self, b: int, change: FloatArray) -> FloatArray:
+        """Of body b, without its modes."""
+        _, rigid, components = self._size
+        first, _, extent, _ = self._bodies[b]
+        moved = lengths(change[..., first : first + components])
+        return np.asarray(moved + extent * lengths(change[..., first + components : first + rigid]))
+
+    def _bent(self, b: int, change: FloatArray) -> FloatArray:
+        """What the modes of body b add at the point that they move farthest, all taken as of one sign."""
+        first, last, _, phi = self._bodies[b]
+        components = self._size.components
+        bent = np.abs(change[..., first + self._size.rigid : last]) @ np.abs(phi.T)
+        places = bent.reshape(*bent.shape[:-1], phi.shape[0] // components, components)
+        return np.asarray(lengths(places).max(axis=-1))
+
+    def _bent_at_most(self, b: int, change: FloatArray) -> FloatArray:
+        """At least that: each mode where it moves a point farthest."""
+        first, last, _, phi = self._bodies[b]
+        components = self._size.components
+        shapes = phi.reshape(phi.shape[0] // components, components, -1).transpose(0, 2, 1)
+        return np.asarray(np.abs(change[..., first + self._size.rigid : last]) @ lengths(shapes).max(axis=0))
 
 
 def ranges_of(model: Model, q: FloatArray, u: FloatArray) -> FloatArray:
