@@ -13,7 +13,6 @@ from lcpflex.compile.state_arrays import mechanics_at
 from lcpflex.compile.state_mechanics import StateMechanics
 from lcpflex.dynamics import mechanics
 from lcpflex.dynamics.compiled_function import CompiledFunction
-from lcpflex.dynamics.spatial.state import SpatialState
 from lcpflex.dynamics.time_functions import COMPILED, Callback, Calls, Materials, State, supplier
 from lcpflex.errors import ModelError
 from lcpflex.force_laws.law import Law
@@ -79,6 +78,8 @@ class CompiledScene:
     def state(self, time: float, q: FloatArray, u: FloatArray) -> Any:
         """What Python functions of time and state are called with: a State, or a SpatialState."""
         if self.spatial:
+            from lcpflex.dynamics.spatial.state import SpatialState
+
             return SpatialState(time, q, u, self.model.bodies)
         return State(time, q, u, self.model.bodies.dof, self.materials)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,7 +22,9 @@ from lcpflex.model.coordinates import UNITS, is_angular
 from lcpflex.model.layout import dimension, is_spatial, place_offsets
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.joints.joint import Joint
-from lcpflex.scene.spatial.relative import SpatialJoint
+
+if TYPE_CHECKING:
+    from lcpflex.scene.spatial.relative import SpatialJoint
 
 __all__ = [
     "consistent_start",

@@ -22,7 +22,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from lcpflex.basics.blas import one_thread
-from lcpflex.bodies.reduction.line_interfaces import LineStatics
 from lcpflex.compile.surface_interfaces import Acting, acting_on
 from lcpflex.errors import ModelError
 
@@ -64,6 +63,7 @@ def missing_compliance(parts: Parts, contacts: Mapping[str, DeclaredContact]) ->
 
 def _acting(one: Placed, body: Body, parts: Parts, contacts: Mapping[str, DeclaredContact]) -> list[Acting]:
     """What acts on a body, at places where it has material."""
+    from lcpflex.bodies.reduction.line_interfaces import LineStatics  # which rigid scenes do without
 
     def snap(x: float, y: float) -> tuple[tuple[float, float], bool]:
         return (x, y), False

@@ -11,7 +11,6 @@ import numpy.typing as npt
 
 from lcpflex.basics.arguments import array_of
 from lcpflex.compile.coordinates import coordinate_names, velocity_names
-from lcpflex.compile.spatial.state_contacts import slip_sizes, spatial_contacts
 from lcpflex.compile.state_mechanics import CompliantForces, StateMechanics
 from lcpflex.contact.detection import ContactTable, detect
 from lcpflex.contact.narrow_phase.feature import contact_bias
@@ -108,12 +107,17 @@ def _checked(name: str, value: Any) -> Any:
     return frozen(value, value.dtype)
 
 
+def _slip_sizes(slip: FloatArray) -> FloatArray:
+    """(m,) how fast contacts slip, of (m,) in the plane, of (m, 2) in space [m/s]."""
+    return np.abs(slip) if slip.ndim == 1 else np.asarray(np.linalg.norm(slip, axis=1))
+
+
 def _index_sets(arrays: dict[str, Any], gap_tolerance: float, slow: float) -> dict[str, IntArray]:
     """A, C, N, H, G of the contacts."""
     every = np.arange(len(arrays["gaps"]))
     closed = every[arrays["gaps"] <= gap_tolerance]
     still = closed[np.abs(arrays["gap_rates"][closed]) <= slow]
-    sticking = (arrays["friction"] > 0.0) & (slip_sizes(arrays["slip_speeds"]) <= SLIP_PART * slow)
+    sticking = (arrays["friction"] > 0.0) & (_slip_sizes(arrays["slip_speeds"]) <= SLIP_PART * slow)
     return {"A": every, "C": closed, "N": still, "H": still[sticking[still]], "G": still[~sticking[still]]}
 
 
@@ -218,7 +222,12 @@ class _Instant:
         table, m = self._detected(margin)
         laws, body = table.law[:m], table.body[:m]
         in_space = is_spatial(model)
-        told = spatial_contacts(self._system, self._q, self._u, table, m) if in_space else self._planar(table, m)
+        if in_space:
+            from lcpflex.compile.spatial.state_contacts import spatial_contacts
+
+            told = spatial_contacts(self._system, self._q, self._u, table, m)
+        else:
+            told = self._planar(table, m)
         rows, w = told.pop("rows"), told.pop("w")
         W = [self._dense(rows[:, c], body).T for c in range(rows.shape[1])]
         slip = [along.T @ self._u for along in W[1:]]

@@ -8,15 +8,17 @@ Sources: Ebrahimi & Eberhard 2005, equations 3 to 9; Pfeiffer & Glocker 1996 (in
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lcpflex.basics.arguments import one_of
-from lcpflex.compile.spatial.state_contacts import accelerations, impulses
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.contact.problem import ContactProblem
-from lcpflex.solvers.contact.spatial import SpatialContactProblem
+
+if TYPE_CHECKING:
+    from lcpflex.solvers.contact.spatial import SpatialContactProblem
 
 __all__ = ["CompliantForces", "StateMechanics"]
 
@@ -187,7 +189,7 @@ class StateMechanics:
         """
         in_space = self.W_T.ndim == 3
         if one_of("level", level, LEVELS) == "impulse":
-            return impulses(self) if in_space else self._impulses()
+            return _in_space(self, level) if in_space else self._impulses()
         for k in self.C:
             if self.gap_rates[k] < -self.velocity_threshold:
                 raise ModelError(
@@ -195,7 +197,7 @@ class StateMechanics:
                     f"{-self.gap_rates[k]:.6g} m/s, expected 'impulse': its impact comes first"
                 )
         if in_space:
-            return accelerations(self)
+            return _in_space(self, level)
         H, N = self.H, self.N
         columns = self.W_N[:, N].copy()
         sliding = np.isin(N, self.G)
@@ -233,3 +235,9 @@ class StateMechanics:
         inverse = np.linalg.pinv(S * np.outer(scale, scale), rcond=INDEPENDENT, hermitian=True) * np.outer(scale, scale)
         held = moved - answers @ (inverse @ (self.J @ moved))
         return np.asarray(held), np.asarray(answers @ (inverse @ rates))
+
+
+def _in_space(at: StateMechanics, level: str) -> SpatialContactProblem:
+    from lcpflex.compile.spatial.state_contacts import accelerations, impulses  # which the plane does without
+
+    return impulses(at) if level == "impulse" else accelerations(at)

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.bodies.spatial.surface import TOUCHES as IN_SPACE, passes_of
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.contact.rule_pairs import CHAIN, TOUCHES
 from lcpflex.jit.kernel import IntArray
@@ -75,6 +74,8 @@ def _passes(contacts: Any, i: int, j: int) -> list[tuple[int, int, int]]:
     """(node side, touched side, mode) of a pair of surfaces of the rule."""
     rank = contacts.rule_rank
     if hasattr(contacts, "pass_mode"):  # in space
+        from lcpflex.bodies.spatial.surface import passes_of
+
         kinds = int(contacts.surface_kind[i]), int(contacts.surface_kind[j])
         sizes = [int(contacts.node_start[s + 1] - contacts.node_start[s]) for s in (i, j)]
         deform = bool(contacts.surface_deflection[[i, j]].any())
@@ -86,8 +87,12 @@ def _passes(contacts: Any, i: int, j: int) -> list[tuple[int, int, int]]:
 
 def _can_touch(contacts: Any, i: int, j: int) -> bool:
     """Whether surfaces of these kinds can touch."""
-    in_space = hasattr(contacts, "pass_mode")
-    kinds, touches = (contacts.surface_kind, IN_SPACE) if in_space else (contacts.rule_rank, TOUCHES)
+    if hasattr(contacts, "pass_mode"):
+        from lcpflex.bodies.spatial.surface import TOUCHES as IN_SPACE
+
+        kinds, touches = contacts.surface_kind, IN_SPACE
+    else:
+        kinds, touches = contacts.rule_rank, TOUCHES
     return bool(touches[kinds[i], kinds[j]] or touches[kinds[j], kinds[i]])
 
 

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.contact.detection import ContactTable, contact_table, detect
+from lcpflex.contact.detection import ContactTable, detect
 from lcpflex.contact.rows import contact_rows
 from lcpflex.contact.rule_pairs import rule_pairs
-from lcpflex.contact.spatial.table import spatial_contact_table
+from lcpflex.contact.table import table_maker
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Contacts, Model
 from lcpflex.model.layout import is_spatial
@@ -22,7 +22,7 @@ def near(model: Any, q: FloatArray, margin: float) -> tuple[Any, int]:
     """Pairs with gaps up to ``margin`` [m], in a packed model, and how many they are."""
     capacity = 64
     pairs = rule_pairs(model.contacts)
-    make: Any = spatial_contact_table if is_spatial(model) else contact_table
+    make = table_maker(is_spatial(model))
     while True:
         table = make(capacity, len(model.contacts.surface_body), pairs=pairs, touching=-math.inf)
         found = int(detect(model, q, margin, table))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from lcpflex.contact.rule_pairs import RulePairs, no_pairs
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
 
-__all__ = ["ALL", "COMPLIANT", "RIGID", "ContactTable", "contact_table", "entry_of"]
+__all__ = ["ALL", "COMPLIANT", "RIGID", "ContactTable", "contact_table", "entry_of", "table_maker"]
 
 RIGID, COMPLIANT, ALL = range(3)  # contacts that a table collects: rigid ones, compliant ones, all
 
@@ -65,6 +66,15 @@ def contact_table(
         pairs=no_pairs() if pairs is None else pairs,
         touching=touching,
     )
+
+
+def table_maker(in_space: bool) -> Any:
+    """The function that makes a table of contacts in the plane, or in space, where its module is loaded."""
+    if not in_space:
+        return contact_table
+    from lcpflex.contact.spatial.table import spatial_contact_table
+
+    return spatial_contact_table
 
 
 @kernel

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.contact.detection import COMPLIANT, ContactTable, contact_table
-from lcpflex.contact.spatial.table import spatial_contact_table
+from lcpflex.contact.detection import COMPLIANT, ContactTable
+from lcpflex.contact.table import table_maker
 from lcpflex.dynamics.inertia import Arrow
 from lcpflex.dynamics.joint_factor import JointFactor, JointPattern, joint_factor, no_joints
 from lcpflex.force_laws.history import ContactMemory
@@ -89,8 +89,7 @@ def compliant_contacts(
     vector = 3 if in_space else 1  # numbers of a friction force that are kept from step to step: world axes
     sizes |= {"tangents": (each - 1) * capacity, "forces": each, "known": 1 + vector, "lasting": 2 + vector}
     sizes |= {"states": 4 if in_space else 2}
-    make_table = spatial_contact_table if in_space else contact_table
-    table: Any = make_table(capacity, n_surfaces if any(compliant) else 0, compliant, COMPLIANT)
+    table: Any = table_maker(in_space)(capacity, n_surfaces if any(compliant) else 0, compliant, COMPLIANT)
     return allocate(
         SpatialCompliantContacts if in_space else CompliantContacts,
         sizes | {"laws": len(laws), "ndof": ndof},

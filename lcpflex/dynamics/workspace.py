@@ -7,7 +7,6 @@ from typing import Any, cast
 import numpy as np
 
 from lcpflex.contact.detection import ContactTable
-from lcpflex.contact.spatial.table import SpatialContactTable
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.inertia import Arrow
 from lcpflex.dynamics.islands import Islands, islands
@@ -132,7 +131,7 @@ def workspace(
     capacity = len(table.key)
     dof = compliant.dof
     ndof = int(dof[-1])
-    in_space = isinstance(table, SpatialContactTable)
+    in_space = not isinstance(table, ContactTable)
     each = 3 if in_space else 2  # rows of a contact
     joints = joint_factor(pattern, ndof, each * capacity)
     n_joint = len(joints.answer)

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 
 from lcpflex.errors import ModelError, shown, writable_path
-from lcpflex.solvers.benchmark.files import save_problems
 from lcpflex.solvers.contact.posed import posed_problem
 from lcpflex.solvers.contact.problem import ContactProblem
-from lcpflex.solvers.contact.spatial import SpatialContactProblem
+from lcpflex.solvers.refusals import has_cones
 
 if TYPE_CHECKING:
     from lcpflex.solvers.contact.memory import ContactData, SolverMemory
+    from lcpflex.solvers.contact.spatial import SpatialContactProblem
     from lcpflex.solvers.problem import Lcp
 
 __all__ = ["ProblemLog", "RecordProblems"]
@@ -110,6 +110,8 @@ class ProblemLog:
 
     def save(self) -> Path:
         """Write the file; the problems in the order of the run."""
+        from lcpflex.solvers.benchmark.files import save_problems
+
         ordered = sorted(self.kept, key=lambda one: one[1])
         return save_problems(self.request.path, [one[3] for one in ordered], [one[2] for one in ordered])
 
@@ -130,11 +132,15 @@ def _problem(
     data: ContactData, memory: SolverMemory, contacts: list[str]
 ) -> Lcp | ContactProblem | SpatialContactProblem:
     """A copy of the problem; its contacts by their names and the places where they touch."""
-    problem = posed_problem(data, memory)
-    if not isinstance(problem, ContactProblem | SpatialContactProblem):
+    problem: Lcp | ContactProblem | SpatialContactProblem = posed_problem(data, memory)
+    if not (isinstance(problem, ContactProblem) or _in_space(problem)):
         return problem
     keys = (f"{name}#{key}" for name, key in zip(contacts, problem.keys, strict=True))
     return replace(problem, keys=tuple(keys))
+
+
+def _in_space(problem: Any) -> TypeGuard[SpatialContactProblem]:
+    return has_cones(problem)
 
 
 def condition(G: Any) -> float:

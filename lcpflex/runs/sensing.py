@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.errors import LcpflexError, ModelError, shown
-from lcpflex.results.measures import Unmeasured, Window, columns_of, known, measured
 from lcpflex.results.sensor import SensorHistory
+from lcpflex.runs import later
 from lcpflex.runs.page_result import page_result
 from lcpflex.steppers.records import Columns, Page, Records, joined_pages
 
 if TYPE_CHECKING:
+    from lcpflex.results.measures import Window
     from lcpflex.runs.setup import Run, Setup
     from lcpflex.scene.sensors.sensor import Sensor
 
@@ -46,7 +47,7 @@ class Sensing:
         self._of_rate: list[list[Any]] = [[] for _ in range(1 + len(setup.system.intervals))]
         options = setup.options
         for sensor in setup.source.sensors:
-            if not known(sensor):
+            if not later.known(sensor):
                 raise ModelError(f"sensor {sensor.name!r}: {shown(sensor)} was given, expected one of lf.sensors")
             every = options.interval if sensor.every is None else min(float(sensor.every), options.duration)
             own = every != options.interval
@@ -87,8 +88,8 @@ class Sensing:
         found: Columns = {TIMES: [page["times"].copy()]}
         for sensor in sensors:
             try:
-                found[sensor.name] = [measured(sensor, window)]
-            except Unmeasured as error:
+                found[sensor.name] = [later.measured(sensor, window)]
+            except later.Unmeasured as error:
                 found[sensor.name] = [error.rows]
                 self.failed[sensor.name] = _named(sensor.name, error)
             except Exception as error:  # of a mechanism that has gone out of range, too: what was recorded is kept
@@ -107,7 +108,7 @@ class Sensing:
             points = page["points"].copy()
             points[:, 0] += len(before["times"])
             whole = joined_pages([before, page | {"points": points}])
-        return Window(page_result(setup, records, whole), len(before.get("times", ())), step)
+        return later.Window(page_result(setup, records, whole), len(before.get("times", ())), step)
 
     def finish(self, records: Records) -> Exception | None:
         """Measure what is left at the end of a run, and the first error of a sensor in it, if there is one."""
@@ -130,7 +131,7 @@ class Sensing:
             columns = records.measured(rate)
             times = columns.get(TIMES, np.zeros(0))
             for sensor in sensors:
-                names, units = columns_of(sensor)
+                names, units = later.columns_of(sensor)
                 values = columns.get(sensor.name, np.zeros((0, len(names))))
                 made[sensor.name] = SensorHistory(sensor.name, times[: len(values)], values, names, units)
         return tuple(made[sensor.name] for sensor in self._setup.source.sensors)

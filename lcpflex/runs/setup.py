@@ -13,13 +13,13 @@ from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.problem_log import ProblemLog, RecordProblems
 from lcpflex.runs.sensing import Sensing, rates_of
 from lcpflex.scene.scene import Scene
-from lcpflex.scene.spatial.scene import SpatialScene
 from lcpflex.scene.user_system import UserSystem
 from lcpflex.solvers.quadratic_program import QuadraticProgram
 from lcpflex.steppers.user_functions import watch
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
+    from lcpflex.scene.spatial.scene import SpatialScene
     from lcpflex.steppers.records import Records
     from lcpflex.steppers.system import System
 
@@ -103,8 +103,11 @@ def compiled_for(
     """``scene`` compiled for ``stepper``; a user's own system as it is."""
     if isinstance(scene, UserSystem):
         return scene
-    if not isinstance(scene, Scene | SpatialScene):
-        raise ModelError(f"scene: {shown(scene)} was given, expected a Scene, a SpatialScene or a UserSystem")
+    if not isinstance(scene, Scene):
+        from lcpflex.scene.spatial.scene import SpatialScene  # which planar runs do without
+
+        if not isinstance(scene, SpatialScene):
+            raise ModelError(f"scene: {shown(scene)} was given, expected a Scene, a SpatialScene or a UserSystem")
     return scene.compiled(project, _indents(stepper), getattr(stepper, "gives_way", False))
 
 

@@ -10,9 +10,8 @@ from typing import Any
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.force_laws.law import Law
 from lcpflex.scene.declared import ContactRule, DeclaredContact
-from lcpflex.scene.handles import Placed
+from lcpflex.scene.placed_body import PlacedBody
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
-from lcpflex.scene.spatial.handles import SpatialPlaced
 
 __all__ = ["KeptRule", "by_rules", "contact_between", "rule_of"]
 
@@ -123,8 +122,8 @@ def _excluded_pairs(rule: ContactRule, candidates: Sequence[PlacedSurface]) -> P
     number = {surface.label: k for k, surface in enumerate(candidates)}
     of_body = _of_bodies(candidates)
 
-    def meant(side: Placed | SpatialPlaced | PlacedSurface) -> Collection[int]:
-        if isinstance(side, Placed | SpatialPlaced):
+    def meant(side: PlacedBody | PlacedSurface) -> Collection[int]:
+        if isinstance(side, PlacedBody):
             return of_body.get(side.body, ())
         return [number[side.label]] if side.label in number else ()
 
@@ -187,7 +186,7 @@ def rule_of(
         raise ModelError(f"exclude: {shown(exclude)} was given, expected a list of pairs of bodies or surfaces")
     for pair in exclude:
         sides = pair if isinstance(pair, tuple | list) else ()
-        if len(sides) != 2 or not all(isinstance(side, Placed | SpatialPlaced | PlacedSurface) for side in sides):
+        if len(sides) != 2 or not all(isinstance(side, PlacedBody | PlacedSurface) for side in sides):
             raise ModelError(f"exclude: {shown(pair)} was given, expected pairs of bodies or surfaces")
         for side in pair:
             check_own(scene, "exclude", side)

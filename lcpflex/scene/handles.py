@@ -18,6 +18,7 @@ from lcpflex.bodies.body import Body, Chain, MaterialPoint, array_of
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.scene import slots
+from lcpflex.scene.placed_body import PlacedBody
 from lcpflex.scene.placed_surface import PlacedSurface
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ class Register(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Placed:
+class Placed(PlacedBody):
     """A body in a scene, or its ground. Places are in the body frame, undeformed (in world axes for the ground) [m].
 
     Made by ``scene.add(...)`` and ``scene.ground``, not by hand. Where a place is asked for, the name of a point of the
@@ -47,8 +48,6 @@ class Placed:
     that cannot be.
     """
 
-    name: str
-    body: int  # index in the scene, -1 for the ground
     source: Body | None = field(repr=False)  # None for the ground
     start: tuple[FloatArray, FloatArray] = field(repr=False)  # (3 + n,) configuration and velocity
     scene: Register = field(repr=False)

@@ -7,8 +7,8 @@ method and sweeps from no impulses at all may not find, and a step that goes on 
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse
 
+from lcpflex.basics import libs
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import IntArray
 from lcpflex.solvers.auto import Auto
@@ -36,7 +36,7 @@ def give_start(work: Workspace) -> None:
     work.wants_start, work.has_start = 0, 1
 
 
-def _factor(memory: LargeMemory, count: int, rough: IntArray) -> scipy.sparse.csr_array:
+def _factor(memory: LargeMemory, count: int, rough: IntArray) -> libs.sparse.csr_array:
     """J (rows, unknowns) with G = J J^T: normals of all contacts, tangents of those with friction, in their units."""
     units = np.concatenate([np.arange(count), rough])
     kinds = np.repeat([0, 1], [count, len(rough)])
@@ -51,4 +51,4 @@ def _factor(memory: LargeMemory, count: int, rough: IntArray) -> scipy.sparse.cs
         columns.append((first[:, None] + places)[inside])
         entries.append(memory.J[units[held], kinds[held], side][inside])
     place = np.concatenate(rows), np.concatenate(columns)
-    return scipy.sparse.csr_array((np.concatenate(entries), place), shape=(len(units), int(memory.n_unknowns)))
+    return libs.sparse.csr_array((np.concatenate(entries), place), shape=(len(units), int(memory.n_unknowns)))

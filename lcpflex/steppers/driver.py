@@ -32,11 +32,10 @@ from lcpflex.solvers.contact.posed import (
     take_solution,
     tried_point,
 )
-from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.problem import LcpSolver, Solution, Status
+from lcpflex.solvers.refusals import has_cones
 from lcpflex.solvers.user_solver import UserSolver, as_solver, own_part
 from lcpflex.steppers.island_problems import tell_island
-from lcpflex.steppers.spatial.island_problems import pose_begun
 from lcpflex.steppers.wedged import Wedged
 
 __all__ = [
@@ -63,6 +62,8 @@ def solver_method(solver: LcpSolver, in_space: bool = False) -> int:
     if type(solver) is Auto:
         return COMPILED
     taker = as_solver(solver)
+    from lcpflex.solvers.contact.spatial import SpatialContactProblem  # which the plane does without
+
     asked = getattr(taker, "refuses", None)
     if reason := asked(SpatialContactProblem(np.eye(3), np.zeros(3), np.ones(1))) if callable(asked) else "":
         raise ModelError(f"solver: {reason}")
@@ -102,6 +103,8 @@ class Watched:
     def tell(self, work: Workspace, i: int) -> None:
         """Pose island i densely, for the one who is told: it was solved in another form."""
         if isinstance(work.problem, SpatialContactData):
+            from lcpflex.steppers.spatial.island_problems import pose_begun
+
             pose_begun(work, i)
             self._watch(work.problem, work.solver)
             return
@@ -194,7 +197,7 @@ class Rescue:
 
     def _attempt(self, problem: Any) -> Solution | None:
         """What the rest of Auto makes of a problem; None where it does not take it."""
-        if isinstance(problem, SpatialContactProblem):
+        if has_cones(problem):
             return None if self._solver.refuses(problem) else self._solver.solve(problem)
         return self._solver.attempt(problem, None, TRIALS)
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from lcpflex.contact.detection import RIGID, ContactTable, detect
 from lcpflex.contact.rows import contact_point
-from lcpflex.contact.spatial.table import SpatialContactTable
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.joint_reactions import settle
 from lcpflex.dynamics.mechanics import energies
@@ -143,7 +142,7 @@ def recorder(
 ) -> Recorder:
     """Allocate an empty recorder."""
     n_joints = len(reactions.impulse)
-    in_space = isinstance(table, SpatialContactTable)
+    in_space = not isinstance(table, ContactTable)
     return allocate(
         SpatialRecorder if in_space else Recorder,
         {

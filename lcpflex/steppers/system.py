@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.contact.detection import ALL, RIGID, ContactTable, contact_table
+from lcpflex.contact.detection import ALL, RIGID, ContactTable
 from lcpflex.contact.rule_pairs import RulePairs, give_laws, make_room, rule_pairs
-from lcpflex.contact.spatial.table import spatial_contact_table
+from lcpflex.contact.table import table_maker
 from lcpflex.contact.thickness import farthest, surface_thickness, thinnest
 from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.compliant_contacts import CompliantContacts, compliant_contacts, sufficient_capacity
@@ -151,8 +151,7 @@ class System:
         pairs: RulePairs | None = None,
         touching: float = math.inf,
     ) -> Any:
-        make = spatial_contact_table if is_spatial(self.model) else contact_table
-        return make(capacity, self.n_surfaces, laws, collects, pairs, touching)
+        return table_maker(is_spatial(self.model))(capacity, self.n_surfaces, laws, collects, pairs, touching)
 
     def _by_law(self, values: tuple[int, ...]) -> tuple[int, ...]:
         """With a 0 for the rule and each pair of it."""

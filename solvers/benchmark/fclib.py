@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.sparse
 
+from lcpflex.basics import libs
 from lcpflex.basics.hdf5 import h5py_for, whole_hdf5
 from lcpflex.errors import ModelError, path_of
 from lcpflex.jit.kernel import FloatArray
@@ -158,7 +158,7 @@ def _matrix(owner: Any, name: str) -> Any:
         raise ModelError(f"{name} has more than {100 * MOST} entries: expected fewer")
     p, i, x = (np.asarray(group[key]).ravel() for key in ("p", "i", "x"))
     if nz >= 0:
-        return scipy.sparse.csr_array((x[:nz].astype(float), (i[:nz], p[:nz])), shape=(m, n))
+        return libs.sparse.csr_array((x[:nz].astype(float), (i[:nz], p[:nz])), shape=(m, n))
     if nz not in (-1, -2):
         raise ModelError(f"{name}/nz is {nz}: expected >= 0 (triplets), -1 (columns) or -2 (rows)")
     lines, places = (n, m) if nz == -1 else (m, n)
@@ -167,13 +167,13 @@ def _matrix(owner: Any, name: str) -> Any:
         raise ModelError(f"{name}/p is {p[:6]} ...: expected {lines + 1} numbers that rise from 0 to at most {len(x)}")
     if used and not (int(i[:used].min()) >= 0 and int(i[:used].max()) < places):
         raise ModelError(f"{name}/i holds {int(i[:used].max())}: expected places from 0 to {places - 1}")
-    kind = scipy.sparse.csc_array if nz == -1 else scipy.sparse.csr_array
-    return scipy.sparse.csr_array(kind((x[:used].astype(float), i[:used], p), shape=(m, n)))
+    kind = libs.sparse.csc_array if nz == -1 else libs.sparse.csr_array
+    return libs.sparse.csr_array(kind((x[:used].astype(float), i[:used], p), shape=(m, n)))
 
 
 def _write(group: Any, W: Any) -> None:
     """A matrix by compressed columns."""
-    stored = scipy.sparse.csc_array(W)
+    stored = libs.sparse.csc_array(W)
     sizes = {"nzmax": stored.nnz, "m": W.shape[0], "n": W.shape[1], "nz": -1}
     for key, value in sizes.items():
         group[key] = np.array([value], dtype=np.int32)

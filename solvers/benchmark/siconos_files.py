@@ -21,8 +21,8 @@ import re
 from typing import Any
 
 import numpy as np
-import scipy.sparse
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import SHOWN, lines_of
 from lcpflex.errors import ModelError, path_of
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -152,7 +152,7 @@ class _Reader:
                 found.append((down.ravel(), right.ravel(), entries))
         places = [np.concatenate([part[k] for part in found]) if found else np.zeros(0, dtype=np.int64) for k in (0, 1)]
         values = np.concatenate([part[2] for part in found]) if found else np.zeros(0)
-        return scipy.sparse.csr_array((values, tuple(places)), shape=shape)
+        return libs.sparse.csr_array((values, tuple(places)), shape=shape)
 
     def _sparse(self, name: str, shape: tuple[int, int]) -> Any:
         self.whole("where the sparse matrix is from", 10)
@@ -188,7 +188,7 @@ class _Reader:
             places.append((j, i) if kind == "csr" else (i, j))
             done += 1
         down, right = np.array(places, dtype=np.int64).reshape(-1, 2).T
-        return scipy.sparse.csr_array((np.array(values), (down, right)), shape=shape)
+        return libs.sparse.csr_array((np.array(values), (down, right)), shape=shape)
 
     def _index(self, word: str, size: int) -> int:
         if not word.isdecimal() or len(word) > 9 or int(word) >= size:

@@ -23,8 +23,8 @@ from collections.abc import Hashable, Mapping
 from typing import Any
 
 import numpy as np
-import scipy.sparse
 
+from lcpflex.basics import libs
 from lcpflex.errors import ModelError, shown
 from lcpflex.solvers.contact.matrices import is_sparse
 from lcpflex.solvers.contact.problem import ContactProblem
@@ -123,7 +123,7 @@ def _read_matrix(name: str, arrays: Mapping[str, Any]) -> Any:
             raise ModelError(f"key {key} is missing; expected {', '.join(names)}")
     data, indices, indptr, shape = (arrays[key] for key in names)
     try:
-        rows = scipy.sparse.csr_array((data, indices, indptr), shape=(int(shape[0]), int(shape[1])))
+        rows = libs.sparse.csr_array((data, indices, indptr), shape=(int(shape[0]), int(shape[1])))
         rows.check_format(full_check=True)
     except (ValueError, TypeError, IndexError) as error:
         raise ModelError(f"{name}: {shown(str(error))}; expected the arrays of compressed rows") from error

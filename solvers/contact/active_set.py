@@ -10,9 +10,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import scipy.sparse
-import scipy.sparse.linalg
 
+from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.contact.sweeps import BACK, FORTH, OPEN, STICKING
@@ -54,7 +53,7 @@ def free_forces(problem: ContactProblem, states: IntArray) -> tuple[IntArray, An
     entries = np.concatenate([np.ones(len(unknown)), sign[sliding]])
     rows = np.concatenate([unknown, tangent_of[sliding]])
     columns = np.concatenate([np.arange(len(unknown)), np.searchsorted(pressed, sliding)])
-    return unknown, scipy.sparse.csr_array((entries, (rows, columns)), shape=(m, len(unknown)))
+    return unknown, libs.sparse.csr_array((entries, (rows, columns)), shape=(m, len(unknown)))
 
 
 def in_cones(problem: ContactProblem, forces: FloatArray) -> FloatArray:
@@ -79,12 +78,12 @@ def on_active_set(problem: ContactProblem, states: IntArray, forces: FloatArray,
     weight = least * np.where(diagonal > 0.0, diagonal, 1.0)  # a contact of two fixed bodies has no equation at all
     delassus, _, _, factor = problem.data
     if delassus is not None:
-        matrix = scipy.sparse.csr_array(delassus)[unknown] @ spread
+        matrix = libs.sparse.csr_array(delassus)[unknown] @ spread
         x = _regularised(matrix, weight, free, x, lambda x: matrix @ x)
     else:
-        J = scipy.sparse.csr_array(factor)
+        J = libs.sparse.csr_array(factor)
         own, caused = J[unknown], J.T @ spread
-        matrix = scipy.sparse.block_array([[-scipy.sparse.eye_array(J.shape[1]), caused], [own, None]])
+        matrix = libs.sparse.block_array([[-libs.sparse.eye_array(J.shape[1]), caused], [own, None]])
         x = _regularised(matrix, weight, free, x, lambda x: own @ (caused @ x))
     return in_cones(problem, np.asarray(spread @ x))
 
@@ -95,9 +94,9 @@ def _regularised(matrix: Any, weight: FloatArray, free: FloatArray, x: FloatArra
     matrix: its last rows and columns are those of x, before them are auxiliary unknowns; weight (a,): what is added.
     """
     k = matrix.shape[0] - len(x)
-    lifted = matrix + scipy.sparse.diags_array(np.concatenate([np.zeros(k), weight]))
+    lifted = matrix + libs.sparse.diags_array(np.concatenate([np.zeros(k), weight]))
     try:
-        solve = scipy.sparse.linalg.splu(scipy.sparse.csc_array(lifted)).solve
+        solve = libs.splu(libs.sparse.csc_array(lifted)).solve
     except RuntimeError:  # exactly singular
         return x
     for _ in range(CORRECTIONS):  # each takes out what the regularisation left in

@@ -18,9 +18,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import scipy.sparse
-import scipy.sparse.linalg
 
+from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess, posed
@@ -66,7 +65,7 @@ class _Iteration:
             if self.judge.residual(z) <= FAR:
                 self.forces = np.concatenate(problem.forces(z))
         if problem.delassus is None:
-            J = scipy.sparse.csr_array(problem.factor)
+            J = libs.sparse.csr_array(problem.factor)
             self.J: Any = J
             self.rows = (J.indptr.astype(np.int64), J.indices.astype(np.int64), np.ascontiguousarray(J.data))
             self.block = own_blocks(J, self.tangent_of)

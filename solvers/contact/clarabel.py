@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.sparse
 
 from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray
@@ -38,11 +37,11 @@ def conic_program(
     if limited():
         settings.time_limit = max(remaining(), 1e-6)
     if B is None:
-        squares = scipy.sparse.triu(scipy.sparse.csc_matrix(P), format="csc")
-        A = -scipy.sparse.identity(m, format="csc")
+        squares = libs.sparse.triu(libs.sparse.csc_matrix(P), format="csc")
+        A = -libs.sparse.identity(m, format="csc")
         objective, bound = c, np.zeros(m)
     else:
-        squares, A = scipy.sparse.identity(B.shape[1], format="csc"), -scipy.sparse.csc_matrix(B)
+        squares, A = libs.sparse.identity(B.shape[1], format="csc"), -libs.sparse.csc_matrix(B)
         objective, bound = np.zeros(B.shape[1]), c
     try:
         found = libs.clarabel.DefaultSolver(squares, objective, A, bound, cones, settings).solve()

@@ -9,10 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse
-import scipy.sparse.linalg
 
+from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.contact.coupling import MOST_BLOCKS
@@ -52,11 +50,11 @@ def condensed(
         return np.zeros((H.shape[1], H.shape[1])), w.copy()
     scale = 1.0 / np.sqrt(np.maximum(np.abs(K).max(axis=1), np.finfo(float).tiny))
     K = scale[:, None] * K * scale
-    factorise: Any = scipy.linalg.get_lapack_funcs("getrf", (K,))
+    factorise: Any = libs.linalg.get_lapack_funcs("getrf", (K,))
     factor, pivots, zero = factorise(K)
     if zero or not _rcond(factor, float(np.abs(K).sum(axis=0).max())) > CONDITION:
         raise ModelError("M, with its joints, is singular: expected bodies whose motion can be eliminated")
-    v = scale[:, None] * scipy.linalg.lu_solve((factor, pivots), scale[:, None] * load)
+    v = scale[:, None] * libs.linalg.lu_solve((factor, pivots), scale[:, None] * load)
     W = H.T @ v[:n, :-1]
     if np.allclose(M, M.T, rtol=1e-12, atol=0.0):
         W = 0.5 * (W + W.T)
@@ -68,22 +66,22 @@ def condensed_sparse(M: Any, H: Any, f: FloatArray, w: FloatArray) -> tuple[Any,
 
     Raises ModelError for singular equations.
     """
-    M, H = scipy.sparse.csc_array(M), scipy.sparse.csc_array(H)
+    M, H = libs.sparse.csc_array(M), libs.sparse.csc_array(H)
     diagonal, peaks = np.abs(M.diagonal()), as_dense(abs(M).max(axis=1)).ravel()
     size = np.where(diagonal > 0.0, diagonal, peaks)  # of coordinates in any units
-    scale: Any = scipy.sparse.diags_array(1.0 / np.sqrt(np.maximum(size, np.finfo(float).tiny)))
-    load = scipy.sparse.csc_array(scale @ H)
+    scale: Any = libs.sparse.diags_array(1.0 / np.sqrt(np.maximum(size, np.finfo(float).tiny)))
+    load = libs.sparse.csc_array(scale @ H)
     try:
-        factor = scipy.sparse.linalg.splu(scipy.sparse.csc_array(scale @ M @ scale))
+        factor = libs.splu(libs.sparse.csc_array(scale @ M @ scale))
     except RuntimeError:
         raise ModelError(SINGULAR) from None
     if not np.abs(factor.U.diagonal()).min(initial=1.0) > CONDITION:  # of rows of size 1
         raise ModelError(SINGULAR)
     caused = [factor.solve(load[:, first : first + COLUMNS].toarray()) for first in range(0, H.shape[1], COLUMNS)]
-    moved = scipy.sparse.hstack([scipy.sparse.csc_array(part) for part in caused], format="csc")
-    W = scipy.sparse.csr_array(load.T @ moved)
+    moved = libs.sparse.hstack([libs.sparse.csc_array(part) for part in caused], format="csc")
+    W = libs.sparse.csr_array(load.T @ moved)
     if abs(M - M.T).max() <= 1e-12 * peaks.max():
-        W = scipy.sparse.csr_array(0.5 * (W + W.T))
+        W = libs.sparse.csr_array(0.5 * (W + W.T))
     return W, load.T @ factor.solve(scale @ f) + w
 
 
@@ -91,7 +89,7 @@ def _rcond(factor: FloatArray, norm: float) -> float:
     """The reciprocal condition number of an LU factorisation."""
     if not np.isfinite(factor).all():
         return 0.0
-    estimate: Any = scipy.linalg.get_lapack_funcs("gecon", (factor,))
+    estimate: Any = libs.linalg.get_lapack_funcs("gecon", (factor,))
     return float(estimate(factor, norm)[0])
 
 
@@ -124,10 +122,10 @@ def planar_rows(problem: ContactProblem) -> tuple[Any, FloatArray]:
     rows = 2 * len(problem.friction)
     order = np.concatenate([np.arange(0, rows, 2), 2 * problem.tangent + 1])
     matrix = multiplied_out(problem)
-    entries, q = scipy.sparse.coo_array(matrix), np.zeros(rows)
+    entries, q = libs.sparse.coo_array(matrix), np.zeros(rows)
     q[order] = problem.free
     places = order[entries.row], order[entries.col]
-    return scipy.sparse.csr_array((entries.data, places), shape=(rows, rows)), q
+    return libs.sparse.csr_array((entries.data, places), shape=(rows, rows)), q
 
 
 def multiplied_out(problem: ContactProblem | SpatialContactProblem) -> Any:

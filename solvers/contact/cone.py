@@ -20,8 +20,8 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
-import scipy.sparse
 
+from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess
@@ -202,7 +202,7 @@ class _Program:
         if contact.factor is None and contact.delassus is not None:
             P = _in_order(contact.delassus, order, unit)
         else:
-            B = scipy.sparse.diags_array(unit) @ scipy.sparse.csr_array(contact.factor)[order]
+            B = libs.sparse.diags_array(unit) @ libs.sparse.csr_array(contact.factor)[order]
         return cls(order, unit, load, len(smooth), P, B, c / load)
 
     @property
@@ -277,7 +277,7 @@ def relaxed_forces(contact: ContactProblem) -> FloatArray | None:
 def _in_order(matrix: Any, order: IntArray, unit: FloatArray) -> Any:
     """Rows and columns in this order, times their units; dense or sparse as it was."""
     if is_sparse(matrix):
-        scale = scipy.sparse.diags_array(unit)
+        scale = libs.sparse.diags_array(unit)
         return scale @ matrix[order][:, order] @ scale
     return (matrix[np.ix_(order, order)] * unit[:, None]) * unit
 

@@ -10,13 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import scipy.sparse
 
+from lcpflex.basics import libs
 from lcpflex.errors import LcpflexError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.contact.active_set import REGULAR, TINY, on_active_set, own_blocks, states_of
-from lcpflex.solvers.contact.cone import relaxed_forces
 from lcpflex.solvers.contact.coupling import tangents
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.contact.proximal import Proximal
@@ -151,6 +150,8 @@ class Search:
         if self.spent or not self._symmetric():
             return ""
         self.factors += CONVEX_FACTORS
+        from lcpflex.solvers.contact.cone import relaxed_forces  # which knows the conic programs
+
         forces = relaxed_forces(self.problem.balanced())
         if forces is not None:
             self.forces = forces
@@ -181,7 +182,7 @@ class Search:
         """Whether the operator is, as the relaxation needs it."""
         if self.problem.delassus is None:
             return True
-        matrix = scipy.sparse.csr_array(self.problem.balanced().data[0])
+        matrix = libs.sparse.csr_array(self.problem.balanced().data[0])
         largest = abs(matrix).max() if matrix.nnz else 0.0
         return bool(abs(matrix - matrix.T).max() <= SYMMETRY * largest)
 
@@ -222,7 +223,7 @@ class Search:
     def _sweep_bodies(self, sweeps: int) -> None:
         """The same through the factor, where nearly all contacts touch one body."""
         alike = self.problem.balanced()
-        J = scipy.sparse.csr_array(alike.data[3])
+        J = libs.sparse.csr_array(alike.data[3])
         tangent_of = tangents(alike.friction)
         rows = (J.indptr.astype(np.int64), J.indices.astype(np.int64), J.data, own_blocks(J, tangent_of))
         u, made = np.asarray(J.T @ self.forces), 0

@@ -6,8 +6,8 @@ from collections.abc import Hashable
 from typing import Any
 
 import numpy as np
-import scipy.sparse
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import numbers
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -48,7 +48,7 @@ def shown_only(matrix: Any) -> Any:
         return None
     if is_sparse(matrix):
         parts = tuple(shown_only(part) for part in (matrix.data, matrix.indices, matrix.indptr))
-        return scipy.sparse.csr_array(parts, shape=matrix.shape)
+        return libs.sparse.csr_array(parts, shape=matrix.shape)
     view = matrix.view()
     view.flags.writeable = False
     return view
@@ -61,7 +61,7 @@ def as_dense(matrix: Any) -> FloatArray:
 
 def is_sparse(value: Any) -> bool:
     """Whether it is a matrix of scipy.sparse."""
-    return bool(scipy.sparse.issparse(value))
+    return bool(libs.sparse.issparse(value))
 
 
 def diagonal_of(delassus: Any, factor: Any) -> FloatArray:
@@ -75,9 +75,9 @@ def diagonal_of(delassus: Any, factor: Any) -> FloatArray:
 def in_units_of(delassus: Any, factor: Any, d: FloatArray) -> tuple[Any, Any]:
     """D G D and D J with D the diagonal matrix of d (m,); None stays None."""
     if factor is not None:
-        factor = scipy.sparse.diags_array(d) @ factor if is_sparse(factor) else factor * d[:, None]
+        factor = libs.sparse.diags_array(d) @ factor if is_sparse(factor) else factor * d[:, None]
     if is_sparse(delassus):
-        delassus = scipy.sparse.diags_array(d) @ delassus @ scipy.sparse.diags_array(d)
+        delassus = libs.sparse.diags_array(d) @ delassus @ libs.sparse.diags_array(d)
     elif delassus is not None:
         delassus = delassus * np.outer(d, d)
     return delassus, factor
@@ -109,7 +109,7 @@ def read_delassus(value: Any, rows: int) -> Any:
             dense = as_array("delassus", value, 2)
             check_finite("delassus", dense)
             return dense
-        value = scipy.sparse.csr_array(given)
+        value = libs.sparse.csr_array(given)
     return np.zeros((0, 0)) if not rows and 0 in value.shape else _read_sparse("delassus", value)
 
 
@@ -123,7 +123,7 @@ def read_factor(value: Any) -> Any:
 def _read_sparse(name: str, value: Any) -> Any:
     if value.dtype.kind not in "iuf" or value.ndim != 2:
         raise ModelError(f"{name} is {shown(value)}: expected a matrix of real numbers")
-    sparse = scipy.sparse.csr_array(value, dtype=float, copy=True)
+    sparse = libs.sparse.csr_array(value, dtype=float, copy=True)
     sparse.sum_duplicates()
     check_finite(f"{name}.data", sparse.data)
     return sparse

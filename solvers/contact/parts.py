@@ -8,9 +8,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import scipy.sparse
-import scipy.sparse.csgraph
 
+from lcpflex.basics import libs
 from lcpflex.errors import shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.clock import out_of_time
@@ -32,12 +31,12 @@ def parts_of(problem: ContactProblem) -> list[IntArray]:
     coupling, n = problem.coupling, len(problem.friction)
     if coupling is not None:
         return grouped(*coupling.parts())
-    touches = abs(scipy.sparse.csr_array(problem.factor))
-    graph: Any = scipy.sparse.block_array([[None, touches], [touches.T, None]], format="csr")
-    _, label = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    touches = abs(libs.sparse.csr_array(problem.factor))
+    graph: Any = libs.sparse.block_array([[None, touches], [touches.T, None]], format="csr")
+    _, label = libs.csgraph.connected_components(graph, directed=False)
     sides = label[problem.tangent], label[n : len(problem.free)]  # a contact joins the parts of its two rows
-    pairs = scipy.sparse.coo_array((np.ones(len(sides[0])), sides), shape=(label.max() + 1,) * 2)
-    _, joined = scipy.sparse.csgraph.connected_components(pairs, directed=False)
+    pairs = libs.sparse.coo_array((np.ones(len(sides[0])), sides), shape=(label.max() + 1,) * 2)
+    _, joined = libs.csgraph.connected_components(pairs, directed=False)
     _, place, number = np.unique(joined[label[:n]], return_index=True, return_inverse=True)
     return grouped(len(place), np.argsort(np.argsort(place))[number])
 

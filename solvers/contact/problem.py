@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import flag, point_of
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -189,7 +189,7 @@ class ContactProblem:
         """The Delassus operator, multiplied out sparsely if only its factor is known; None if that has many entries."""
         if self.delassus is not None:
             return self.data[0]
-        factor = scipy.sparse.csr_array(self.factor)
+        factor = libs.sparse.csr_array(self.factor)
         touched = np.bincount(factor.indices, minlength=factor.shape[1]).astype(float)
         return factor @ factor.T if (touched**2).sum() <= 4 * MOST_BLOCKS else None
 

@@ -16,9 +16,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-import scipy.sparse
-import scipy.sparse.linalg
 
+from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.contact.active_set import free_forces, in_cones
@@ -63,8 +62,8 @@ class _InBodies:
     """Velocities u (k,) of the bodies, by the factor J."""
 
     def __init__(self, problem: ContactProblem) -> None:
-        self.J = scipy.sparse.csr_array(problem.data[3])
-        self.JT = scipy.sparse.csr_array(self.J.T)
+        self.J = libs.sparse.csr_array(problem.data[3])
+        self.JT = libs.sparse.csr_array(self.J.T)
         self.free = problem.data[1]
 
     def of_forces(self, p: FloatArray) -> FloatArray:
@@ -82,7 +81,7 @@ class _InBodies:
         return float(np.sqrt(x @ x)) + float(np.abs(self.free).max(initial=0.0))
 
     def factor(self, rows: IntArray, spread: Any, eps: float) -> Step:
-        matrix = scipy.sparse.eye_array(self.J.shape[1]) + (self.JT @ spread) @ (self.J[rows] / eps)
+        matrix = libs.sparse.eye_array(self.J.shape[1]) + (self.JT @ spread) @ (self.J[rows] / eps)
         solve = _factorised(matrix)
         return lambda F: -solve(F)
 
@@ -91,7 +90,7 @@ class _InForces:
     """Forces x (m,) with u = J^T x, where W alone is known."""
 
     def __init__(self, problem: ContactProblem) -> None:
-        self.W = scipy.sparse.csr_array(problem.data[0])
+        self.W = libs.sparse.csr_array(problem.data[0])
         self.free = problem.data[1]
 
     def of_forces(self, p: FloatArray) -> FloatArray:
@@ -111,14 +110,14 @@ class _InForces:
     def factor(self, rows: IntArray, spread: Any, eps: float) -> Step:
         if not len(rows):
             return lambda F: -F
-        solve = _factorised(self.W[rows] @ spread + eps * scipy.sparse.eye_array(len(rows)))
+        solve = _factorised(self.W[rows] @ spread + eps * libs.sparse.eye_array(len(rows)))
         return lambda F: -F - spread @ solve(-(self.W @ F)[rows])
 
 
 def _factorised(matrix: Any) -> Step:
     """Solve with a matrix whose diagonal is large: without exchanges of rows, in the order of least degree."""
     how: dict[str, Any] = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
-    solve: Step = scipy.sparse.linalg.splu(scipy.sparse.csc_array(matrix), **how).solve
+    solve: Step = libs.splu(libs.sparse.csc_array(matrix), **how).solve
     return solve
 
 

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import flag, point_of
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
@@ -126,7 +126,7 @@ class ConvexContactProblem:
         values = [np.ones(count + 2 * len(tangent)), mu, -mu]
         places = (np.concatenate(rows), np.concatenate(columns))
         shape = (self.size, count + 2 * len(tangent))
-        return scipy.sparse.csr_array((np.concatenate(values), places), shape=shape)
+        return libs.sparse.csr_array((np.concatenate(values), places), shape=shape)
 
     def on_edges(self, z: FloatArray) -> FloatArray:
         """Forces z (m,) along the edges of the cones: lambda_N of contacts without friction, then both of each other.

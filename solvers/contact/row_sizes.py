@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.sparse
 
+from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.contact.matrices import as_dense
 
@@ -20,9 +20,9 @@ def row_sizes(problem: ContactProblem, z: FloatArray) -> tuple[FloatArray, Float
     """max_j |M_ij| and |q_i| + sum_j |M_ij z_j| of every row of :meth:`ContactProblem.lcp`."""
     tangent, normals, m = problem.tangent, len(problem.friction), len(problem.free)
     count = len(tangent)
-    edge = scipy.sparse.csr_array((problem.friction[tangent], (np.arange(count), tangent)), shape=(count, normals))
-    columns = scipy.sparse.block_array(
-        [[scipy.sparse.eye_array(normals), None], [-edge, scipy.sparse.eye_array(count)]], format="csr"
+    edge = libs.sparse.csr_array((problem.friction[tangent], (np.arange(count), tangent)), shape=(count, normals))
+    columns = libs.sparse.block_array(
+        [[libs.sparse.eye_array(normals), None], [-edge, libs.sparse.eye_array(count)]], format="csr"
     )
     largest, terms = np.zeros(problem.size), np.zeros(problem.size)
     size = np.abs(z)

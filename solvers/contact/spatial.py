@@ -13,8 +13,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import flag, point_of
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
@@ -274,7 +274,7 @@ def _product(factor: Any) -> Any:
     if not is_sparse(factor):
         return factor @ factor.T if len(factor) ** 2 <= MOST_ENTRIES else None
     touched = np.bincount(factor.indices, minlength=factor.shape[1]).astype(float)
-    return scipy.sparse.csr_array(factor @ factor.T) if (touched**2).sum() <= MOST_ENTRIES else None
+    return libs.sparse.csr_array(factor @ factor.T) if (touched**2).sum() <= MOST_ENTRIES else None
 
 
 def _alike(a: Any, b: Any) -> bool:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from lcpflex.compile.state_mechanics import StateMechanics
     from lcpflex.steppers.system import System
 
-__all__ = ["accelerations", "impulses", "spatial_contacts", "slip_sizes"]
+__all__ = ["accelerations", "impulses", "spatial_contacts"]
 
 
 def spatial_contacts(system: System, q: FloatArray, u: FloatArray, table: Any, m: int) -> dict[str, Any]:
@@ -44,11 +44,6 @@ def _side(system: System, law: int, i: int) -> float:
     of_law: IntArray = contacts.law_surface
     surface = int(of_law[law, 0]) if law < len(of_law) else int(system.rule_pairs.pair[law, 0])
     return 1.0 if int(contacts.surface_body[surface]) == i else -1.0
-
-
-def slip_sizes(slip: FloatArray) -> FloatArray:
-    """(m,) how fast contacts slip, of (m,) in the plane, of (m, 2) in space [m/s]."""
-    return np.abs(slip) if slip.ndim == 1 else np.asarray(np.linalg.norm(slip, axis=1))
 
 
 def accelerations(at: StateMechanics) -> SpatialContactProblem:

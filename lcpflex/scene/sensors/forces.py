@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from lcpflex.basics.options import keep_flag, keep_number
 from lcpflex.bodies.body import array_of
 from lcpflex.scene.handles import Placed
+from lcpflex.scene.placed_body import PlacedBody
 from lcpflex.scene.sensors.sensor import check_sensor, keep_body, keep_text
-from lcpflex.scene.spatial.handles import SpatialPlaced
 
 __all__ = ["Contact", "Reaction", "Section", "SpatialContact", "SpatialReaction", "SpatialSection", "Stress"]
 
@@ -83,7 +83,7 @@ class Section:
     place off its axis.
     """
 
-    body: Placed | SpatialPlaced | str
+    body: PlacedBody | str
     x: float
     every: float | None = None
     name: str = ""

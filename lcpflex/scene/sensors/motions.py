@@ -8,9 +8,8 @@ from lcpflex.basics.arguments import sequence_of
 from lcpflex.bodies.placed_point import PlacedPoint, check_point
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.scene.handles import Placed
+from lcpflex.scene.placed_body import PlacedBody
 from lcpflex.scene.sensors.sensor import check_sensor, keep_body
-from lcpflex.scene.spatial.handles import SpatialPlaced
 
 __all__ = ["Body", "Coordinates", "Energy", "MaterialPoint", "Point", "SpatialFrame", "StateNumbers"]
 
@@ -56,7 +55,7 @@ class Body:
     the sensor. Raises ModelError for what is no body.
     """
 
-    body: Placed | SpatialPlaced | str
+    body: PlacedBody | str
     every: float | None = None
     name: str = ""
 

@@ -9,9 +9,8 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 from lcpflex.basics.arguments import sequence_of
 from lcpflex.basics.options import keep_number_or_none
 from lcpflex.errors import ModelError, shown
-from lcpflex.scene.handles import Placed
+from lcpflex.scene.placed_body import PlacedBody
 from lcpflex.scene.placed_surface import check_own
-from lcpflex.scene.spatial.handles import SpatialPlaced
 
 __all__ = ["Sensor", "body_name", "check_placed_sensor", "check_sensor", "keep_body", "keep_text", "named_sensors"]
 
@@ -46,14 +45,14 @@ def keep_text(sensor: Any, field: str, expected: str) -> None:
 def keep_body(sensor: Any) -> None:
     """Raise ModelError unless the field ``body`` is a handle of one, or a name."""
     body = sensor.body
-    if isinstance(body, Placed | SpatialPlaced) and body.body >= 0:
+    if isinstance(body, PlacedBody) and body.body >= 0:
         return
     keep_text(sensor, "body", "a body of the scene, or its name")
 
 
 def body_name(sensor: Any) -> str:
     """Name of the body of a sensor."""
-    return str(sensor.body.name if isinstance(sensor.body, Placed | SpatialPlaced) else sensor.body)
+    return str(sensor.body.name if isinstance(sensor.body, PlacedBody) else sensor.body)
 
 
 def named_sensors(given: Any) -> tuple[Sensor, ...]:

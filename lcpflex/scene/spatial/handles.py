@@ -20,6 +20,7 @@ from lcpflex.bodies.spatial.closed_surface import check_closed
 from lcpflex.bodies.spatial.shapes import SurfaceShape
 from lcpflex.bodies.spatial.surface import SpatialKind, SpatialSurface
 from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.scene.placed_body import PlacedBody
 from lcpflex.scene.placed_surface import PlacedSurface
 
 if TYPE_CHECKING:
@@ -33,15 +34,13 @@ Place = str | PlacedPoint | npt.ArrayLike
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SpatialPlaced:
+class SpatialPlaced(PlacedBody):
     """A body in a spatial scene, or its ground. Places are in the body frame, undeformed (on the ground: world) [m].
 
     Made by ``scene.add(...)`` and ``scene.ground``, not by hand. Every method raises ModelError for an unknown name, a
     place off a flexible body, and numbers that cannot be.
     """
 
-    name: str
-    body: int  # index in the scene, -1 for the ground
     source: SpatialBody | None = field(repr=False)  # None for the ground
     start: tuple[FloatArray, FloatArray] = field(repr=False)  # (7 + n,) configuration and (6 + n,) velocity
     scene: Register = field(repr=False)

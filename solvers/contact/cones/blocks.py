@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.sparse
-import scipy.sparse.linalg
 
+from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray, IntArray, interpreted, kernel
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.contact.cones import newton as method
@@ -26,8 +25,8 @@ class ConeBlocks:
 
     def __init__(self, matrix: Any) -> None:
         n = matrix.shape[0] // 3
-        coupled = scipy.sparse.bsr_array(scipy.sparse.csr_array(matrix), blocksize=(3, 3))
-        present = scipy.sparse.csr_array(
+        coupled = libs.sparse.bsr_array(libs.sparse.csr_array(matrix), blocksize=(3, 3))
+        present = libs.sparse.csr_array(
             (np.ones(len(coupled.indices)), coupled.indices, coupled.indptr), shape=(n, n)
         )  # fmt: skip
         if not present.diagonal().all():  # a contact between two bodies that are held
@@ -45,10 +44,10 @@ class ConeBlocks:
         """A matrix of other blocks at the same places, by compressed columns."""
         if self._pattern is None:
             count = np.arange(1.0, block.size + 1.0).reshape(-1, 3, 3)
-            places = scipy.sparse.bsr_array((count, self.other, self.first), shape=self._shape).tocsc()
+            places = libs.sparse.bsr_array((count, self.other, self.first), shape=self._shape).tocsc()
             self._pattern = (places.data.astype(np.int64) - 1, places.indices, places.indptr)
         place, rows, starts = self._pattern
-        return scipy.sparse.csc_array((block.ravel()[place], rows, starts), shape=self._shape)
+        return libs.sparse.csc_array((block.ravel()[place], rows, starts), shape=self._shape)
 
     def step(self, friction: FloatArray, shift: float, forces: FloatArray, work: ConeWork) -> float:
         """As :func:`.newton.direction`, by a sparse factor."""
@@ -57,7 +56,7 @@ class ConeBlocks:
             self._jacobian,
         )  # fmt: skip
         try:
-            found = scipy.sparse.linalg.splu(self.by_columns(self._jacobian)).solve(-work.miss)
+            found = libs.splu(self.by_columns(self._jacobian)).solve(-work.miss)
         except RuntimeError:  # "Factor is exactly singular"
             return np.inf
         if not np.isfinite(found).all():
@@ -74,7 +73,7 @@ def _with_diagonal(coupled: Any, n: int) -> Any:
     block = np.concatenate([coupled.data, np.zeros((len(missing), 3, 3))])
     order = np.lexsort([others, rows])
     first = np.concatenate([[0], np.cumsum(np.bincount(rows, minlength=n))])
-    return scipy.sparse.bsr_array((block[order], others[order], first), shape=(3 * n, 3 * n))
+    return libs.sparse.bsr_array((block[order], others[order], first), shape=(3 * n, 3 * n))
 
 
 @kernel

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.sparse
 
+from lcpflex.basics import libs
 from lcpflex.basics.blas import one_thread
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.clock import out_of_time
@@ -100,12 +100,12 @@ class ConicProgram:
         P = B = lagged = None
         delassus, _, _, factor = problem.data
         if factor is not None and problem.symmetric:
-            B = scipy.sparse.diags_array(unit) @ scipy.sparse.csr_array(factor)[rows]
+            B = libs.sparse.diags_array(unit) @ libs.sparse.csr_array(factor)[rows]
         else:
             G = 0.5 * (delassus + delassus.T)
             lagged = None if problem.symmetric else delassus - G
             chosen = G[rows][:, rows] if is_sparse(G) else G[np.ix_(rows, rows)]
-            scale = scipy.sparse.diags_array(unit)
+            scale = libs.sparse.diags_array(unit)
             P = scale @ chosen @ scale if is_sparse(chosen) else chosen * np.outer(unit, unit)
         return cls(problem, rows, unit, len(smooth), P, B, lagged)
 

@@ -6,9 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import scipy.sparse
-import scipy.sparse.csgraph
 
+from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.contact.coupling import grouped
@@ -30,14 +29,14 @@ def parts_of(problem: SpatialContactProblem) -> list[IntArray]:
     delassus, _, _, factor = problem.data
     graph: Any
     if delassus is None:
-        rows = scipy.sparse.coo_array(scipy.sparse.csr_array(factor))
-        touches = scipy.sparse.coo_array((np.abs(rows.data), (rows.row // 3, rows.col)), shape=(k, rows.shape[1]))
-        graph = scipy.sparse.block_array([[None, touches], [touches.T, None]], format="csr")
+        rows = libs.sparse.coo_array(libs.sparse.csr_array(factor))
+        touches = libs.sparse.coo_array((np.abs(rows.data), (rows.row // 3, rows.col)), shape=(k, rows.shape[1]))
+        graph = libs.sparse.block_array([[None, touches], [touches.T, None]], format="csr")
     else:
-        pairs = scipy.sparse.coo_array(delassus)
-        graph = scipy.sparse.coo_array((np.abs(pairs.data), (pairs.row // 3, pairs.col // 3)), shape=(k, k)).tocsr()
+        pairs = libs.sparse.coo_array(delassus)
+        graph = libs.sparse.coo_array((np.abs(pairs.data), (pairs.row // 3, pairs.col // 3)), shape=(k, k)).tocsr()
     graph.eliminate_zeros()
-    _, label = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    _, label = libs.csgraph.connected_components(graph, directed=False)
     _, place, number = np.unique(label[:k], return_index=True, return_inverse=True)
     return grouped(len(place), np.argsort(np.argsort(place))[number])
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import scipy.sparse
 
+from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.contact.cones.blocks import ConeBlocks, newton_on_blocks, proximal_on_blocks
 from lcpflex.solvers.contact.cones.newton import cone_work, newton, proximal
@@ -48,7 +48,7 @@ class ConeRun:
         self._work: Any = None
         matrix = problem.matrix()
         if matrix is None:
-            J = scipy.sparse.csr_array(problem.factor)
+            J = libs.sparse.csr_array(problem.factor)
             self.rows = (J.indptr.astype(np.int64), J.indices.astype(np.int64), np.ascontiguousarray(J.data))
             self.own = _own_blocks(J)
             self.x: FloatArray = np.asarray(J.T @ self.forces)
