@@ -8,7 +8,7 @@
     scene.join(lf.Revolute(pendulum.point("left"), scene.ground.at(0, 0)))
     stop = scene.ground.circle(center=(-0.0125, -0.69), radius=0.01)
     scene.contact(pendulum.surface(), stop, friction=0.3, restitution=0.0)
-    result = lf.simulate(scene, 0.6, lf.MoreauJean(step=1e-5))
+    result = lf.simulate(scene, 0.6, lf.MoreauJean(step=2.5e-6))
 
 Each name is loaded when it is first used, so that ``import lcpflex`` costs next to nothing.
 """

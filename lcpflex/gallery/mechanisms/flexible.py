@@ -88,7 +88,7 @@ def cases() -> tuple[Case, ...]:
             "flexible aluminium pendulum falls against a round stop, with friction",
             pendulum,
             0.6,
-            MoreauJean(step=1e-5),
+            MoreauJean(step=2.5e-6),  # all 21 touches; with 1e-5 the errors of the steps sum up to 16 %
             {"first_touch": 0.4044},
             "fall of a rigid rod, by an elliptic integral; the flexible one is as fast within 1 %",
         ),
