@@ -26,7 +26,6 @@ from lcpflex.results.drawing import (
 )
 from lcpflex.results.drawn_forces import arrow_tips, draw_forces, draw_key, usual_force, usual_length
 from lcpflex.results.spatial.camera import Look, look_of
-from lcpflex.results.spatial.picture import SpatialPicture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,6 +33,7 @@ if TYPE_CHECKING:
 
     from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.results.result import Result
+    from lcpflex.results.spatial.picture import SpatialPicture
 
 __all__ = ["PlanarPicture", "draw", "picture_of", "scene_of"]
 
@@ -81,6 +81,8 @@ def picture_of(
     result: Result, compiled: CompiledScene, records: IntArray, look: Look, still: bool
 ) -> PlanarPicture | SpatialPicture:
     if compiled.spatial:
+        from lcpflex.results.spatial.picture import SpatialPicture
+
         return SpatialPicture(result, compiled, records, look)
     return PlanarPicture(result, compiled, records, still)
 
