@@ -104,7 +104,8 @@ def test_a_process_that_is_killed_leaves_nothing_wrong(victim: str, alone: dict[
         stderr=subprocess.PIPE,
         text=True,
     )
-    assert first.stderr is not None and first.stdout is not None
+    assert first.stderr is not None
+    assert first.stdout is not None
     while first.stderr.readline().strip() != "30":  # kernels of the first process
         assert first.poll() is None
     (second,) = children(first.pid)
@@ -145,7 +146,8 @@ def test_the_second_process_ends_with_the_first(monkeypatch: pytest.MonkeyPatch,
     """Its pipe is closed then, however the first one ends."""
     monkeypatch.setenv("LCPFLEX_CACHE_PATH", str(tmp_path))
     started = background._start("plane MoreauJean")
-    assert started is not None and started.stdin is not None
+    assert started is not None
+    assert started.stdin is not None
     started.stdin.close()
     assert started.wait() == 0
     background._started.remove(started)
@@ -190,5 +192,6 @@ def test_listed_kernels_exist() -> None:
     for entry in entries:
         assert len(entry.arguments) == len(entry.dispatcher().py_func.__code__.co_varnames[: len(entry.arguments)])
         assert entry.dispatcher().py_func.__code__.co_argcount == len(entry.arguments), entry
-    assert manifest.entries_of("plane MoreauJean") and manifest.entries_of("space EventDriven")
+    assert manifest.entries_of("plane MoreauJean")
+    assert manifest.entries_of("space EventDriven")
     assert manifest.entries_of("none such") == []
