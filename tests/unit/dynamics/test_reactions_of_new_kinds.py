@@ -12,6 +12,8 @@ from lcpflex.dynamics.reaction_memory import reaction
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics import joint_rows as joints
 from lcpflex.kinematics.points import point_angle, point_motion
+from lcpflex.model.arrays import frozen
+from lcpflex.model.coordinates import COORDINATES
 
 RATIO, PITCH, FORCE = 2.5, 0.3, 7.0
 NEW_KINDS = {  # g_x, g_y, g_P, g_Q and the bias
@@ -35,9 +37,10 @@ def test_a_new_kind_of_coordinate_makes_a_reaction(
     monkeypatch: pytest.MonkeyPatch, name: str, P_on_ground: bool
 ) -> None:
     """The gradient of a kind is all that tells of it: the force and the moment of its joint do the work of its row."""
-    monkeypatch.setattr(joints, "coordinate_gradient", lambda *_: NEW_KINDS[name])
     compiled = two_wheels(P_on_ground)
-    work, model, q = compiled.system().workspace(2), pack(compiled.model), compiled.q.copy()
+    monkeypatch.setattr(joints, "coordinate_gradient", lambda *_: NEW_KINDS[name])  # in plain Python: behind compile()
+    kinds = compiled.model.joints._replace(kind=frozen([len(COORDINATES)], np.int64))
+    work, model, q = compiled.system().workspace(2), pack(compiled.model._replace(joints=kinds)), compiled.q.copy()
     u = np.random.default_rng(1).normal(size=len(q))
     joints.joint_rows.py_func(
         model, 0.0, q, u, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias
