@@ -8,7 +8,6 @@ a machine that does other things at the same time makes any ratio of times. A st
 from __future__ import annotations
 
 import itertools
-import math
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -17,18 +16,11 @@ import numpy as np
 import pytest
 
 from lcpflex.studies import right_size
-from lcpflex.studies.model_order import search as fidelity_search
 from lcpflex.studies.model_order.scenes import comparable, of_scene
 from lcpflex.studies.model_order.search import Search
 from tests.unit.studies.fidelity_scenes import QUESTIONS, random_question
 
 OF_A_STEP = 25
-
-
-@pytest.fixture(autouse=True)
-def by_counts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The search counts, too: by the clock, a slow moment of the machine made it spend more than it should."""
-    monkeypatch.setattr(fidelity_search, "SHORT", math.inf)
 
 
 class Truth:
