@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -62,6 +63,8 @@ class QuadraticProgram:
     they are; its ``certificate`` is in the unknowns of its ``exact_system``. Others are taken if what is left of them
     without their free unknowns is a symmetric LCP.
     """
+
+    only_frictionless: ClassVar[bool] = True
 
     backend: str = "clarabel"
     tolerance: float = 1e-10

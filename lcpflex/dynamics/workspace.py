@@ -13,8 +13,6 @@ from lcpflex.dynamics.islands import Islands, islands
 from lcpflex.dynamics.joint_factor import JointFactor, JointPattern, joint_factor
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import allocate, array, spatial, struct
-from lcpflex.solvers.contact.cones.large.memory import large_cones
-from lcpflex.solvers.contact.cones.memory import cone_data, cone_memory, remembered_cones
 from lcpflex.solvers.contact.large.memory import BodyContacts, LargeMemory, grown, large_memory
 from lcpflex.solvers.contact.memory import ContactData, Remembered, SolverMemory, contact_data, prepare
 from lcpflex.solvers.contact.recollection import remembered
@@ -163,6 +161,8 @@ def workspace(
     recalled: Any = before.remembered if before else None
     solving: dict[str, Any]
     if in_space:
+        from lcpflex.solvers.contact.cones.memory import cone_data, cone_memory, remembered_cones
+
         cones = {"problem": cone_data(dense), "solver": cone_memory(capacity, known, dense, ndof)}
         solving = {**cones, "remembered": remembered_cones(capacity, recalled)}
     else:
@@ -202,6 +202,8 @@ def _large_solver(sizes: dict[str, int], before: Workspace | None, in_space: boo
     units, bodies = room * (sizes["contacts"] + sizes["joints"]), room * sizes["bodies"]
     known: Any = before.large_solver if before else None
     if in_space:
+        from lcpflex.solvers.contact.cones.large.memory import large_cones
+
         own: Any = large_cones(sizes, units, bodies, known)
         return cast(LargeMemory, own)
     if before is None:

@@ -14,7 +14,6 @@ from lcpflex.results.problem_log import ProblemLog, RecordProblems
 from lcpflex.runs.sensing import Sensing, rates_of
 from lcpflex.scene.scene import Scene
 from lcpflex.scene.user_system import UserSystem
-from lcpflex.solvers.quadratic_program import QuadraticProgram
 from lcpflex.steppers.user_functions import watch
 
 if TYPE_CHECKING:
@@ -167,7 +166,7 @@ def _check_solver(stepper: Stepper, system: System) -> None:
             f"solver: {shown(solver)} was given, expected one of planar contact such as Auto(): it takes contact in "
             "space alone"
         )
-    if isinstance(solver, QuadraticProgram) and friction.size and friction.max() > 0.0:
+    if getattr(solver, "only_frictionless", False) and friction.size and friction.max() > 0.0:
         raise ModelError(
             f"solver: {shown(solver)} was given for contacts with friction (up to "
             f"{friction.max():g}), expected Lemke(): "

@@ -19,8 +19,6 @@ from lcpflex.jit.dispatch import Hooks
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.certificate import guarded_residual
 from lcpflex.solvers.contact.compiled import solve_contacts
-from lcpflex.solvers.contact.cones.dense import solve_cones
-from lcpflex.solvers.contact.cones.memory import COMPILED, POSED, SpatialContactData
 from lcpflex.solvers.contact.memory import ContactData, SolverMemory
 from lcpflex.solvers.contact.methods import AUTO, METHODS
 from lcpflex.solvers.contact.posed import (
@@ -59,11 +57,12 @@ def solver_method(solver: LcpSolver, in_space: bool = False) -> int:
     """
     if not in_space:
         return METHODS.get(type(solver), AUTO)
+    from lcpflex.solvers.contact.cones.memory import COMPILED, POSED  # which the plane does without
+    from lcpflex.solvers.contact.spatial import SpatialContactProblem
+
     if type(solver) is Auto:
         return COMPILED
     taker = as_solver(solver)
-    from lcpflex.solvers.contact.spatial import SpatialContactProblem  # which the plane does without
-
     asked = getattr(taker, "refuses", None)
     if reason := asked(SpatialContactProblem(np.eye(3), np.zeros(3), np.ones(1))) if callable(asked) else "":
         raise ModelError(f"solver: {reason}")
@@ -80,7 +79,11 @@ def solver_hooks(solver: LcpSolver, watch: Watch | None = None, in_space: bool =
 
     None for solvers that are compiled in, as long as nobody watches. In space the kernel is ``solve_cones``.
     """
-    kernel: Any = solve_cones if in_space else solve_contacts
+    kernel: Any = solve_contacts
+    if in_space:
+        from lcpflex.solvers.contact.cones.dense import solve_cones
+
+        kernel = solve_cones
     compiled_in = type(solver) is Auto if in_space else type(solver) in METHODS  # not a class derived from one
     if watch is None:
         return {} if compiled_in else {kernel: PythonSolve(solver)}
@@ -102,7 +105,7 @@ class Watched:
 
     def tell(self, work: Workspace, i: int) -> None:
         """Pose island i densely, for the one who is told: it was solved in another form."""
-        if isinstance(work.problem, SpatialContactData):
+        if not isinstance(work.problem, ContactData):
             from lcpflex.steppers.spatial.island_problems import pose_begun
 
             pose_begun(work, i)

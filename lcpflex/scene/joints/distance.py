@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from lcpflex.basics.options import is_number, keep_number
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.scene.functions_of_time import Motion, checked_motion
+from lcpflex.scene.joints import later
 from lcpflex.scene.joints.joint import check_joint
 from lcpflex.scene.relative import Relative
-from lcpflex.scene.spatial.relative import SpatialRelative
+
+if TYPE_CHECKING:
+    from lcpflex.scene.spatial.relative import SpatialRelative
 
 __all__ = ["Distance"]
 
@@ -46,4 +50,4 @@ class Distance:
 
     def spatial_rows(self) -> tuple[SpatialRelative, ...]:
         """The same in space."""
-        return tuple(SpatialRelative("distance", rest=row.rest, motion=row.motion) for row in self.rows())
+        return tuple(later.SpatialRelative("distance", rest=row.rest, motion=row.motion) for row in self.rows())

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy.typing as npt
 
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.scene.functions_of_time import Motion, checked_motion
+from lcpflex.scene.joints import later
 from lcpflex.scene.joints.joint import check_joint, keep_angle
 from lcpflex.scene.relative import Relative
-from lcpflex.scene.spatial import axes
-from lcpflex.scene.spatial.angle import angle_about
-from lcpflex.scene.spatial.keep import keep_axes, keep_half_turn
-from lcpflex.scene.spatial.relative import SpatialRelative
+
+if TYPE_CHECKING:
+    from lcpflex.scene.spatial.relative import SpatialRelative
 
 __all__ = ["DrivenAngle"]
 
@@ -46,9 +47,9 @@ class DrivenAngle:
 
     def __post_init__(self) -> None:
         if check_joint(self, space=("axis",)):
-            keep_axes(self, ("axis",), needed=("axis",))
-            keep_half_turn(self)
-            axes.check_turns(self, self.spatial_rows())
+            later.keep_axes(self, ("axis",), needed=("axis",))
+            later.keep_half_turn(self)
+            later.axes.check_turns(self, self.spatial_rows())
         keep_angle(self)
         object.__setattr__(self, "motion", checked_motion("DrivenAngle: motion", self.motion))
 
@@ -58,4 +59,4 @@ class DrivenAngle:
 
     def spatial_rows(self) -> tuple[SpatialRelative, ...]:
         """The same in space."""
-        return (angle_about(self.axis, self.angle, self.motion),)  # type: ignore[arg-type]  # a unit vector
+        return (later.angle_about(self.axis, self.angle, self.motion),)  # type: ignore[arg-type]  # a unit vector

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy.typing as npt
 
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.scene.functions_of_time import Motion, checked_motion
+from lcpflex.scene.joints import later
 from lcpflex.scene.joints.joint import check_joint, unit
 from lcpflex.scene.relative import Relative
-from lcpflex.scene.spatial import axes
-from lcpflex.scene.spatial.keep import keep_line
-from lcpflex.scene.spatial.relative import SpatialRelative
+
+if TYPE_CHECKING:
+    from lcpflex.scene.spatial.relative import SpatialRelative
 
 __all__ = ["DrivenDisplacement"]
 
@@ -37,10 +39,10 @@ class DrivenDisplacement:
 
     def __post_init__(self) -> None:
         in_space = check_joint(self)
-        keep_line(self, omitted=False)
+        later.keep_line(self, omitted=False)
         object.__setattr__(self, "motion", checked_motion("DrivenDisplacement: motion", self.motion))
         if in_space:
-            axes.check_turns(self, self.spatial_rows())
+            later.axes.check_turns(self, self.spatial_rows())
 
     def rows(self) -> tuple[Relative, ...]:
         """The relative coordinates that are prescribed."""
@@ -48,4 +50,4 @@ class DrivenDisplacement:
 
     def spatial_rows(self) -> tuple[SpatialRelative, ...]:
         """The same in space."""
-        return (SpatialRelative("along", self.axis, motion=self.motion),)  # type: ignore[arg-type]  # a unit vector
+        return (later.SpatialRelative("along", self.axis, motion=self.motion),)  # type: ignore[arg-type]  # a unit vector

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy.typing as npt
 
 from lcpflex.bodies.placed_point import PlacedPoint
+from lcpflex.scene.joints import later
 from lcpflex.scene.joints.joint import across, check_joint
 from lcpflex.scene.relative import Relative
-from lcpflex.scene.spatial import axes
-from lcpflex.scene.spatial.keep import keep_line
-from lcpflex.scene.spatial.relative import SpatialRelative
+
+if TYPE_CHECKING:
+    from lcpflex.scene.spatial.relative import SpatialRelative
 
 __all__ = ["PointOnLine"]
 
@@ -34,9 +36,9 @@ class PointOnLine:
 
     def __post_init__(self) -> None:
         in_space = check_joint(self)
-        keep_line(self)
+        later.keep_line(self)
         if in_space:
-            axes.check_turns(self, self.spatial_rows())
+            later.axes.check_turns(self, self.spatial_rows())
 
     def rows(self) -> tuple[Relative, ...]:
         """The relative coordinates that are prescribed."""
@@ -44,4 +46,4 @@ class PointOnLine:
 
     def spatial_rows(self) -> tuple[SpatialRelative, ...]:
         """The same in space."""
-        return axes.off_line(self.axis)  # type: ignore[arg-type]  # a unit vector
+        return later.axes.off_line(self.axis)  # type: ignore[arg-type]  # a unit vector

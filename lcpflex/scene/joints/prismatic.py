@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy.typing as npt
 
 from lcpflex.bodies.placed_point import PlacedPoint
+from lcpflex.scene.joints import later
 from lcpflex.scene.joints.joint import across, check_joint, keep_angle
 from lcpflex.scene.relative import Relative
-from lcpflex.scene.spatial import axes
-from lcpflex.scene.spatial.keep import keep_line, keep_orientation
-from lcpflex.scene.spatial.relative import SpatialRelative
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
+
+    from lcpflex.scene.spatial.relative import SpatialRelative
 
 __all__ = ["Prismatic"]
 
@@ -44,11 +44,11 @@ class Prismatic:
 
     def __post_init__(self) -> None:
         in_space = check_joint(self, plane=("angle",), space=("orientation",))
-        keep_line(self)
+        later.keep_line(self)
         keep_angle(self)
         if in_space:
-            keep_orientation(self)
-            axes.check_turns(self, self.spatial_rows())
+            later.keep_orientation(self)
+            later.axes.check_turns(self, self.spatial_rows())
 
     def rows(self) -> tuple[Relative, ...]:
         """The relative coordinates that are prescribed."""
@@ -56,5 +56,5 @@ class Prismatic:
 
     def spatial_rows(self) -> tuple[SpatialRelative, ...]:
         """The same in space."""
-        line = axes.off_line(self.axis)  # type: ignore[arg-type]  # a unit vector
-        return *axes.locked(self.orientation), *line  # type: ignore[arg-type]  # a matrix or None
+        line = later.axes.off_line(self.axis)  # type: ignore[arg-type]  # a unit vector
+        return *later.axes.locked(self.orientation), *line  # type: ignore[arg-type]  # a matrix or None

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy.typing as npt
 
 from lcpflex.bodies.placed_point import PlacedPoint
+from lcpflex.scene.joints import later
 from lcpflex.scene.joints.joint import COINCIDENCE, check_joint
 from lcpflex.scene.relative import Relative
-from lcpflex.scene.spatial import axes
-from lcpflex.scene.spatial.keep import keep_axes
-from lcpflex.scene.spatial.relative import SpatialRelative
+
+if TYPE_CHECKING:
+    from lcpflex.scene.spatial.relative import SpatialRelative
 
 __all__ = ["Revolute"]
 
@@ -35,8 +37,8 @@ class Revolute:
 
     def __post_init__(self) -> None:
         if check_joint(self, space=("axis", "axis_p")):
-            keep_axes(self, ("axis", "axis_p"), needed=("axis",))
-            axes.check_turns(self, self.spatial_rows())
+            later.keep_axes(self, ("axis", "axis_p"), needed=("axis",))
+            later.axes.check_turns(self, self.spatial_rows())
 
     def rows(self) -> tuple[Relative, ...]:
         """The relative coordinates that are prescribed."""
@@ -44,4 +46,4 @@ class Revolute:
 
     def spatial_rows(self) -> tuple[SpatialRelative, ...]:
         """The same in space."""
-        return *axes.COINCIDENCE, *axes.parallel(self.axis, self.axis_p)  # type: ignore[arg-type]  # unit vectors
+        return *later.axes.COINCIDENCE, *later.axes.parallel(self.axis, self.axis_p)  # type: ignore[arg-type]  # unit vectors

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy.typing as npt
 
 from lcpflex.bodies.placed_point import PlacedPoint
+from lcpflex.scene.joints import later
 from lcpflex.scene.joints.joint import COINCIDENCE, check_joint, keep_angle
 from lcpflex.scene.relative import Relative
-from lcpflex.scene.spatial import axes
-from lcpflex.scene.spatial.keep import keep_orientation
-from lcpflex.scene.spatial.relative import SpatialRelative
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
+
+    from lcpflex.scene.spatial.relative import SpatialRelative
 
 __all__ = ["Weld"]
 
@@ -42,8 +42,8 @@ class Weld:
 
     def __post_init__(self) -> None:
         if check_joint(self, plane=("angle",), space=("orientation",)):
-            keep_orientation(self)
-            axes.check_turns(self, self.spatial_rows())
+            later.keep_orientation(self)
+            later.axes.check_turns(self, self.spatial_rows())
         keep_angle(self)
 
     def rows(self) -> tuple[Relative, ...]:
@@ -52,4 +52,4 @@ class Weld:
 
     def spatial_rows(self) -> tuple[SpatialRelative, ...]:
         """The same in space."""
-        return *axes.COINCIDENCE, *axes.locked(self.orientation)  # type: ignore[arg-type]  # a matrix or None
+        return *later.axes.COINCIDENCE, *later.axes.locked(self.orientation)  # type: ignore[arg-type]  # a matrix or None
