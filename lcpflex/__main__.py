@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import gc
 import os
 import sys
 from collections.abc import Sequence
@@ -27,6 +28,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns the exit code: 0 done, 1 the simulation failed or a solver claimed wrongly, 2 the request cannot be.
     """
     parser = _parser()
+    thresholds = gc.get_threshold()
+    gc.set_threshold(100_000)  # what a command loads and makes mostly stays: looking through it took a tenth of a demo
+    try:
+        return _carried_out(parser, arguments)
+    finally:
+        gc.set_threshold(*thresholds)
+
+
+def _carried_out(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> int:
     request = parser.parse_args(arguments)
     if request.command is None:
         parser.print_help()
