@@ -6,6 +6,7 @@ Each trap once made a study call wrong runs sound, or a choice of bodies good en
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +18,7 @@ from lcpflex.force_laws.penalty import Penalty
 from lcpflex.scene.scene import Scene
 from lcpflex.steppers.smooth.stepper import Smooth, Verlet
 from lcpflex.studies import Outcome, right_size, stability
+from lcpflex.studies.model_order import search as fidelity_search
 from lcpflex.studies.model_order.report import RightSize
 from lcpflex.studies.model_order.scenes import comparable, of_scene
 from lcpflex.studies.model_order.search import Search
@@ -247,6 +249,14 @@ def sized(outputs=None, tolerance: float = 0.05, step: float = 1e-3, duration: f
         more.pop("scene", wall), outputs, tolerance, duration=duration, stepper=lf.MoreauJean(step=step),
         progress=False, **more,
     )  # fmt: skip
+
+
+@pytest.fixture(scope="module", autouse=True)
+def by_counts() -> Iterator[None]:
+    """What a run costs is told by its coordinates, however busy the machine is."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(fidelity_search, "SHORT", math.inf)
+        yield
 
 
 @pytest.fixture(scope="module")
