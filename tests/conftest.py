@@ -54,12 +54,13 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     """Kernels for all processes, once, in two processes, where the whole suite is to be run in several."""
     config = session.config
     whole = config.args_source is config.ArgsSource.TESTPATHS and not config.option.collectonly
-    if hasattr(config, "workerinput") or not getattr(config.option, "numprocesses", None) or not whole:
+    several = getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput")
+    if not several or not whole or os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
         return
     print("compiling what is not compiled yet ...", flush=True)
-    environment = {name: value for name, value in os.environ.items() if name != "LCPFLEX_COMPILERS"}
-    environment["LCPFLEX_COMPILERS"] = COMPILERS or "2"  # nothing else runs yet
-    subprocess.run([sys.executable, "-m", "lcpflex", "warmup"], env=environment, stderr=subprocess.DEVNULL)
+    environment = {**os.environ, "LCPFLEX_COMPILERS": COMPILERS or "2"}  # nothing else runs yet
+    bars = None if sys.stderr.isatty() else subprocess.DEVNULL
+    subprocess.run([sys.executable, "-m", "lcpflex", "warmup"], env=environment, stderr=bars)
 
 
 LOADED = pytest.StashKey[set[str]]()
