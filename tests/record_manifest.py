@@ -16,6 +16,7 @@ import pickle
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -81,14 +82,12 @@ def main() -> None:
         if kind := kind_of_run(case.build(), case.stepper):
             first_ones.setdefault(kind, at)
     rest = sorted(set(range(len(gallery.warmup_cases()))) - set(first_ones.values()))
-    types, runs = Types({}), {}
-    with tempfile.TemporaryDirectory() as folder:
-        for kind, first in first_ones.items():
-            runs[kind] = record([first], Path(folder) / str(first))
-            print(f"{kind}: {len(runs[kind])} listed", flush=True)
+    types = Types({})
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(os.cpu_count()) as pool:
+        jobs = [pool.submit(record, [first], Path(folder) / str(first)) for first in first_ones.values()]
+        runs = {kind: job.result() for kind, job in zip(first_ones, jobs, strict=True)}
         known = os.pathsep.join([f"{folder}/more", *(f"{folder}/{first}" for first in first_ones.values())])
         runs["more"] = record(rest, Path(known))
-        print(f"more: {len(runs['more'])} listed")
     told = {}
     for kind, entries in runs.items():
         told[kind] = []
@@ -97,6 +96,7 @@ def main() -> None:
                 told[kind].append(" ".join([f"{module}:{name}", *map(types.told, arguments)]))
             except ValueError as error:
                 print(f"left out: {module}.{name} with {error}")
+        print(f"{kind}: {len(told[kind])} listed")
     FILE.write_text(json.dumps({"runs": told, "structs": types.structs}, indent=1) + "\n")
 
 

@@ -71,6 +71,6 @@ def crowd() -> SpatialScene:
     scene.add(Sphere(radius=0.1, mass=1.0), position=(0.0, 0.0, 0.101))
     scene.add(Sphere(radius=0.1, mass=1.0), position=(0.205, 0.0, 0.102), velocity=(-1.0, 0.0, 0.0))
     scene.add(Cuboid(0.2, 0.2, 0.2, mass=1.0), position=(0.0, 0.5, 0.101))
-    scene.add(Capsule(radius=0.05, length=0.2, mass=1.0), position=(0.0, 0.5, 0.26))
+    scene.add(Capsule(radius=0.05, length=0.2, mass=1.0), position=(0.0, 0.5, 0.353))
     scene.ground.plane((0.0, 0.0, 0.0), normal=(0.0, 0.0, 1.0))
     return scene

@@ -55,7 +55,7 @@ class Kernel:
     """A function and, from its first use on, numba's dispatcher of it.
 
     A program loads a thousand kernels and uses some hundred: to make a dispatcher takes longer than to read the source
-    of its function, and what numba itself loads takes a third of a second.
+    of its function.
 
     Attributes
     ----------
