@@ -80,8 +80,10 @@ def draw_forces(ax: Axes, result: Result, compiled: CompiledScene, record: int, 
 
 def draw_arrows(ax: Axes, arrows: Sequence[Placed]) -> None:
     """Arrows whose places are those of the picture."""
+    if not arrows:
+        return
     numbered = _least_numbered([size for _, _, size, cut in arrows if cut])
-    feet = np.array([place for place, *_ in arrows]).reshape(-1, 2)
+    feet = np.array([place for place, *_ in arrows])
     add_line(ax, feet[:, 0], feet[:, 1], linestyle="", marker="o", markersize=3, color=INK, zorder=FRONT)
     for place, tip, size, cut in arrows:
         _arrow(ax, place, tip)
