@@ -34,6 +34,7 @@ FULL = 48  # unknowns up to which all rows are asked, not only those that floats
 SMALL = 1e-9  # part of the largest entry of a scaled u that counts as zero
 COARSE = 2.0**12  # steps into which u is rounded first
 NEAR = 1e-6  # part of its terms by which M^T u may be positive for u to be worth a proof
+DUST = 1e-13  # of the largest entry of a vector: what rounding leaves where there is none
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,8 +114,12 @@ def nearly_infeasible(M: FloatArray, q: FloatArray, u: FloatArray) -> bool:
         if u.shape != q.shape or not np.isfinite(u).all() or not u.size or not u.max() > 0.0:
             return False
         ray = np.maximum(u, 0.0) / u.max()
-        excess, terms = M.T @ ray, np.abs(M).T @ ray
-        return bool(q @ ray < 0.0 and (excess <= NEAR * terms).all())
+        return any(_is_near(M, q, one) for one in (ray, np.where(ray > DUST, ray, 0.0)))
+
+
+def _is_near(M: FloatArray, q: FloatArray, ray: FloatArray) -> bool:
+    excess, terms = M.T @ ray, np.abs(M).T @ ray
+    return bool(q @ ray < 0.0 and (excess <= NEAR * terms).all())
 
 
 def _from_floats(system: ExactSystem, guess: FloatArray) -> list[int] | None:

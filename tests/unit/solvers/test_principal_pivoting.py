@@ -184,3 +184,11 @@ def test_kernel_leaves_the_problem_alone_and_runs_on_a_leading_block():
     assert (z[n:] == 7.0).all()
     np.testing.assert_array_equal(before[0], M)
     np.testing.assert_array_equal(before[1], q)
+
+
+def test_a_ray_with_the_dust_of_rounding_is_a_proof():
+    """Four ulps in a row of the ray where exact numbers have none, and two of the matrix's columns see nothing else."""
+    J = np.array([[0.0, -1.0], [-1.0, -1.0], [1.0, 0.0], [2.0, -2.0], [1.0, 1.0]])
+    found = PrincipalPivoting().solve(Lcp(J @ J.T, [0.0, 0.0, -1.0, -1.0, -1.0]))
+    assert found.status is Status.INFEASIBLE
+    assert found.certificate / found.certificate.max() == pytest.approx([0.0, 1.0, 0.0, 0.0, 1.0])
