@@ -11,8 +11,8 @@ measured by kinetic energies: a light body that its damper takes along has none.
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import eigh
 
+from lcpflex.basics import libs
 from lcpflex.checks.loads_in_time import masses_and_joints, place_name, resisted
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.dynamics.mass_matrix import elastic_matrices, held_inverse
@@ -131,7 +131,7 @@ class _Damping:
 def _factor(C: FloatArray) -> FloatArray:
     """(ndof, r) B with B B^T = C, of the rows that are damped."""
     rows = np.flatnonzero(np.abs(C).sum(axis=1))
-    values, vectors = eigh(C[np.ix_(rows, rows)])
+    values, vectors = libs.linalg.eigh(C[np.ix_(rows, rows)])
     B = np.zeros((len(C), len(rows)))
     B[rows] = vectors * np.sqrt(np.maximum(values, 0.0))
     return B
