@@ -26,7 +26,6 @@ LEAST = 2000  # bytes of bytecode; 1000 take a quarter of a second to compile
 def compiled_in(names: list[int], target: str) -> None:
     """In a process of its own: run these cases of the warm-up, and keep what is compiled."""
     from lcpflex import gallery
-    from lcpflex.jit import thin_dispatcher
     from lcpflex.jit.cache import KernelCache
     from lcpflex.jit.late import compile_all
     from lcpflex.runs.simulate import simulate
@@ -55,7 +54,6 @@ def compiled_in(names: list[int], target: str) -> None:
         simulate(cases[name].build(), cases[name].duration, cases[name].stepper, progress=False, project=True)
     if len(names) > 1:
         compile_all()
-    assert thin_dispatcher._depth == 0
     listed = [entry[:3] for entry in found if entry[3] or entry[4] >= LEAST]
     Path(target).write_bytes(pickle.dumps(listed))
 

@@ -19,6 +19,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
+from lcpflex.basics.garbage import without_collections
 from lcpflex.basics.renamed import renamed_name
 
 __all__ = ["attach"]
@@ -64,7 +65,8 @@ def attach(
             told = "" if name.startswith("_") else nearest(name, names())  # tools ask for __path__, _mock_name ...
             raise AttributeError(f"module {label or module!r} has no attribute {name!r}{told}")
         home, there = homes()[name]
-        value = getattr(import_module(home), there) if there else import_module(home)
+        with without_collections():
+            value = getattr(import_module(home), there) if there else import_module(home)
         setattr(sys.modules[module], name, value)
         return value
 

@@ -9,7 +9,6 @@ A file with another key is never looked at; an edit of a kernel changes its key 
 from __future__ import annotations
 
 import hashlib
-import inspect
 import re
 import sys
 import types
@@ -36,6 +35,9 @@ SOURCES = sorted(
     Path(__file__).parent.glob("*.py")
 )  # how kernels are compiled and linked, what numba is told of structs
 COMPILER = hashlib.sha256(b"".join(path.read_bytes() for path in SOURCES)).hexdigest()  # now, before an edit
+
+# Of a function's flags: numba clears all others to show a kernel to a profiler, and those of __future__ are no code.
+KEPT_FLAGS = 0xFFFE
 
 # Processors that kernels are shipped for, and the features that code for them needs, the better one first.
 V2 = {"cx16", "popcnt", "sahf", "sse3", "sse4.1", "sse4.2", "ssse3"}
@@ -203,5 +205,5 @@ def _of_code(code: types.CodeType, doc: str | None = None) -> str:
     if doc is not None and constants[0] == doc:
         plain = plain[1:]
     names = code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars
-    flags = code.co_flags | inspect.CO_OPTIMIZED  # numba clears it to show a kernel to a profiler
+    flags = code.co_flags & KEPT_FLAGS
     return derived(code.co_code, code.co_exceptiontable, flags, code.co_argcount, names, plain)

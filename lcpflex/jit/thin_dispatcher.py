@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import gc
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 
+from lcpflex.basics.garbage import without_collections
 from lcpflex.jit import loading, thin
 from lcpflex.jit.cache import KernelCache, keep, read_anywhere
 from lcpflex.jit.kernel_file import KernelFile
@@ -18,8 +16,6 @@ from lcpflex.jit.plain import without_literals
 from lcpflex.jit.thin import ThinCompiler, ThinLibrary
 
 __all__ = ["ThinDispatcher"]
-
-_depth = 0  # kernels that are compiled one inside the other
 
 
 class ThinDispatcher(CPUDispatcher):  # type: ignore[misc]
@@ -104,20 +100,3 @@ def _file_of(key: str, result: Any) -> KernelFile | None:
     if not isinstance(result.library, ThinLibrary) or result.environment.consts:
         return None
     return loading.file_of(result.library, loading.entry_of(result))
-
-
-@contextmanager
-def without_collections() -> Iterator[None]:
-    """No garbage collection from the start of the outermost kernel to its end: it looks at all of numba each time."""
-    global _depth
-    with global_compiler_lock:
-        collects = _depth == 0 and gc.isenabled()
-        _depth += 1
-        if collects:
-            gc.disable()
-        try:
-            yield
-        finally:
-            _depth -= 1
-            if collects:
-                gc.enable()
