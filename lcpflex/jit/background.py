@@ -17,7 +17,7 @@ import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from threading import RLock, Thread
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 from lcpflex.jit.cache_folders import cache_folders, say_once, use_only
 
@@ -144,14 +144,15 @@ def serve(job: dict[str, Any]) -> None:
     """What the second process does: it ends when the first one has, or when the list is done."""
     from lcpflex.jit.manifest import all_entries, entries_of
 
-    Thread(target=_watch, args=(sys.stdin.buffer,), daemon=True).start()
+    Thread(target=_watch, args=(sys.stdin.fileno(),), daemon=True).start()
     if job["folders"] != list(map(str, cache_folders())):
         use_only(Path(job["folders"][0]))
     _compile(reversed(entries_of(job["run"]) if job["run"] else all_entries()))
 
 
-def _watch(pipe: IO[bytes]) -> None:
+def _watch(pipe: int) -> None:
     """Wait until the first process closes the pipe, as its end does; then end, but not within a file."""
-    pipe.read()
+    while os.read(pipe, 1):
+        pass
     with writing:
         os._exit(0)

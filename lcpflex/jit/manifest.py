@@ -6,8 +6,9 @@ runs with an empty cache; it names the larger kernels, which bring what they cal
 holds, because a kernel or a struct has changed since, costs the time to compile what nobody needs, and nothing else.
 
 The file is JSON. A type is ``int64``, ``float64``, ``bool``, an array as ``float64[:,:]C`` (with r where it is read
-only, u where it is not aligned), a tuple as ``tuple(int64,float64)``, or the name of one of ``structs``. A kernel is
-``module:name`` and its types; ``runs`` has them by kind of run, in the order in which they are first done.
+only, u where it is not aligned), a tuple as ``tuple(int64,float64)``, or the name of one of ``structs``, which has
+named tuples, too: the first of their fields has no name and tells the class. A kernel is ``module:name`` and its types;
+``runs`` has them by kind of run, in the order in which they are first done.
 """
 
 from __future__ import annotations
@@ -66,20 +67,27 @@ class Types:
             For a type that the list has no words for.
         """
         if isinstance(kind, PackedType):
-            if kind not in self._names:
-                fields = [[name, self.told(part)] for name, part in kind.fields]
-                name, same = kind.label, sum(known.partition("#")[0] == kind.label for known in self.structs)
-                self._names[kind] = name if same == 0 else f"{name}#{same + 1}"
-                self.structs[self._names[kind]] = fields
-            return self._names[kind]
+            return self._named(kind, kind.label, list(kind.fields), "")
+        if isinstance(kind, numba.types.BaseNamedTuple):
+            made = kind.instance_class
+            fields = list(zip(kind.fields, kind, strict=True))
+            return self._named(kind, made.__name__, fields, f"{made.__module__}:{made.__qualname__}")
         if isinstance(kind, numba.types.Array):
             marks = ("" if kind.mutable else "r") + ("" if kind.aligned else "u")
             return f"{self.told(kind.dtype)}[{','.join(':' * kind.ndim)}]{kind.layout}{marks}"
-        if isinstance(kind, numba.types.UniTuple | numba.types.Tuple) and all(str(part) in NUMBERS for part in kind):
+        if isinstance(kind, numba.types.BaseTuple):
             return f"tuple({','.join(map(self.told, kind))})"
         if str(kind) not in NUMBERS:
             raise ValueError(str(kind))
         return str(kind)
+
+    def _named(self, kind: Any, label: str, fields: list[tuple[str, Any]], home: str) -> str:
+        if kind not in self._names:
+            parts = [[name, self.told(part)] for name, part in fields]
+            same = sum(known.partition("#")[0] == label for known in self.structs)
+            self._names[kind] = label if same == 0 else f"{label}#{same + 1}"
+            self.structs[self._names[kind]] = [["", home], *parts] if home else parts
+        return self._names[kind]
 
     def made(self, words: str) -> Any:
         """The type that was told so."""
@@ -91,15 +99,32 @@ class Types:
         if words in NUMBERS:
             return NUMBERS[words]
         if words.startswith("tuple("):
-            return numba.types.BaseTuple.from_types([self.made(part) for part in words[6:-1].split(",")])
+            return numba.types.BaseTuple.from_types([self.made(part) for part in _split(words[6:-1])])
         if words.endswith(("C", "F", "A", "r", "u")) and "]" in words:
-            number, _, rest = words.partition("[")
-            axes, _, marks = rest.partition("]")
+            number, _, shape = words.partition("[")
+            axes, _, marks = shape.partition("]")
             return numba.types.Array(
                 NUMBERS[number], axes.count(":"), marks[0], readonly="r" in marks, aligned="u" not in marks
             )
+        (first, home), *rest = self.structs[words]
+        if not first:
+            module, _, name = home.partition(":")
+            kinds = [self.made(part) for _, part in rest]
+            return numba.types.BaseTuple.from_types(kinds, getattr(import_module(module), name))
         fields = tuple((name, self.made(part)) for name, part in self.structs[words])
         return packed_type(words.partition("#")[0], fields)
+
+
+def _split(words: str) -> list[str]:
+    """The parts of a tuple, which may be tuples."""
+    parts, depth = [""], 0
+    for letter in words:
+        depth += (letter in "([") - (letter in ")]")
+        if letter == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += letter
+    return parts
 
 
 @cache

@@ -173,13 +173,16 @@ def test_types_in_words() -> None:
     inner = packed_type("Inner", (("n", numba.int64), ("x", array(number, 2, "C"))))
     other = packed_type("Inner", (("n", numba.int64), ("x", array(number, 2, "C", readonly=True))))
     outer = packed_type("Outer", (("a", inner), ("b", other), ("y", array(numba.int64, 1, "A", aligned=False))))
+    nested = numba.types.BaseTuple.from_types([number, array(number, 2, "C"), numba.types.UniTuple(number, 2)])
+    named = numba.types.NamedTuple([number, numba.int64, nested], manifest.Entry)
     pair = numba.types.BaseTuple.from_types([number, number])
     mixed = numba.types.BaseTuple.from_types([number, numba.boolean])
     types = manifest.Types({})
-    words = [types.told(kind) for kind in (outer, other, pair, mixed, numba.boolean)]
-    assert words == ["Outer", "Inner#2", "tuple(float64,float64)", "tuple(float64,bool)", "bool"]
+    words = [types.told(kind) for kind in (outer, other, pair, mixed, named, numba.boolean)]
+    assert words == ["Outer", "Inner#2", "tuple(float64,float64)", "tuple(float64,bool)", "Entry", "bool"]
+    assert types.structs["Entry"][-1] == ["arguments", "tuple(float64,float64[:,:]C,tuple(float64,float64))"]
     again = manifest.Types(json.loads(json.dumps(types.structs)))
-    assert [again.made(told) for told in words] == [outer, other, pair, mixed, numba.boolean]
+    assert [again.made(told) for told in words] == [outer, other, pair, mixed, named, numba.boolean]
     with pytest.raises(ValueError, match="complex"):
         types.told(numba.complex128)
 
