@@ -7,7 +7,7 @@ holds, because a kernel or a struct has changed since, costs the time to compile
 
 The file is JSON. A type is ``int64``, ``float64``, ``bool``, an array as ``float64[:,:]C`` (with r where it is read
 only, u where it is not aligned), a tuple as ``tuple(int64,float64)``, or the name of one of ``structs``, which has
-named tuples, too: the first of their fields has no name and tells the class. A kernel is ``module:name`` and its types;
+named tuples, too: their first field has no name and tells the class. A kernel is ``module:name`` and its types;
 ``runs`` has them by kind of run, in the order in which they are first done.
 """
 
@@ -50,10 +50,10 @@ class Types:
     Attributes
     ----------
     structs
-        The fields of structs in words, by the name that the list has for them.
+        Structs in words, by the name that the list has for them: fields and their types, ``name:type``.
     """
 
-    def __init__(self, structs: dict[str, list[list[str]]]) -> None:
+    def __init__(self, structs: dict[str, str]) -> None:
         self.structs = structs
         self._names: dict[Any, str] = {}  # of types that were told
         self._made: dict[str, Any] = {}
@@ -83,10 +83,10 @@ class Types:
 
     def _named(self, kind: Any, label: str, fields: list[tuple[str, Any]], home: str) -> str:
         if kind not in self._names:
-            parts = [[name, self.told(part)] for name, part in fields]
+            parts = [f":{home}"] * bool(home) + [f"{name}:{self.told(part)}" for name, part in fields]
             same = sum(known.partition("#")[0] == label for known in self.structs)
             self._names[kind] = label if same == 0 else f"{label}#{same + 1}"
-            self.structs[self._names[kind]] = [["", home], *parts] if home else parts
+            self.structs[self._names[kind]] = " ".join(parts)
         return self._names[kind]
 
     def made(self, words: str) -> Any:
@@ -106,13 +106,13 @@ class Types:
             return numba.types.Array(
                 NUMBERS[number], axes.count(":"), marks[0], readonly="r" in marks, aligned="u" not in marks
             )
-        (first, home), *rest = self.structs[words]
+        (first, _, home), *rest = (part.partition(":") for part in self.structs[words].split())
         if not first:
             module, _, name = home.partition(":")
-            kinds = [self.made(part) for _, part in rest]
+            kinds = [self.made(part) for _, _, part in rest]
             return numba.types.BaseTuple.from_types(kinds, getattr(import_module(module), name))
-        fields = tuple((name, self.made(part)) for name, part in self.structs[words])
-        return packed_type(words.partition("#")[0], fields)
+        fields = ((first, home), *((name, part) for name, _, part in rest))
+        return packed_type(words.partition("#")[0], tuple((name, self.made(part)) for name, part in fields))
 
 
 def _split(words: str) -> list[str]:

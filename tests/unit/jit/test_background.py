@@ -180,7 +180,7 @@ def test_types_in_words() -> None:
     types = manifest.Types({})
     words = [types.told(kind) for kind in (outer, other, pair, mixed, named, numba.boolean)]
     assert words == ["Outer", "Inner#2", "tuple(float64,float64)", "tuple(float64,bool)", "Entry", "bool"]
-    assert types.structs["Entry"][-1] == ["arguments", "tuple(float64,float64[:,:]C,tuple(float64,float64))"]
+    assert types.structs["Entry"].endswith(" arguments:tuple(float64,float64[:,:]C,tuple(float64,float64))")
     again = manifest.Types(json.loads(json.dumps(types.structs)))
     assert [again.made(told) for told in words] == [outer, other, pair, mixed, named, numba.boolean]
     with pytest.raises(ValueError, match="complex"):
