@@ -1,8 +1,8 @@
-"""A second process that compiles while the first one does, from the other end of the list of kernels.
+"""A second process that compiles while the first one does, the later half of a list of kernels.
 
 Numba compiles one kernel at a time in a process, whatever threads it has. Where another core is free, the first kernel
 of a run that is missing starts a second process, which takes the list for this kind of run
-(:mod:`lcpflex.jit.manifest`) from its end and puts what it compiles into the folder of kernels. The first process goes
+(:mod:`lcpflex.jit.manifest`) from its middle on and puts what it compiles into the folder of kernels. The first process goes
 on as without it, and finds there what is done, or waits for what is under way. Both make the same files, bit for bit,
 and a process that dies leaves none that is not whole: the other one compiles what is missing.
 """
@@ -147,7 +147,9 @@ def serve(job: dict[str, Any]) -> None:
     Thread(target=_watch, args=(sys.stdin.fileno(),), daemon=True).start()
     if job["folders"] != list(map(str, cache_folders())):
         use_only(Path(job["folders"][0]))
-    _compile(reversed(entries_of(job["run"]) if job["run"] else all_entries()))
+    entries = entries_of(job["run"]) if job["run"] else all_entries()
+    middle = len(entries) // 2  # the last ones call nearly all others
+    _compile([*entries[middle:], *reversed(entries[:middle])])
 
 
 def _watch(pipe: int) -> None:
