@@ -2,9 +2,9 @@
 
 Numba compiles one kernel at a time in a process, whatever threads it has. Where another core is free, the first kernel
 of a run that is missing starts a second process, which takes the list for this kind of run
-(:mod:`lcpflex.jit.manifest`) from its middle on and puts what it compiles into the folder of kernels. The first process goes
-on as without it, and finds there what is done, or waits for what is under way. Both make the same files, bit for bit,
-and a process that dies leaves none that is not whole: the other one compiles what is missing.
+(:mod:`lcpflex.jit.manifest`) from its middle on and puts what it compiles into the folder of kernels. The first
+process goes on as without it, and finds there what is done, or waits for what is under way. Both make the same files,
+bit for bit, and a process that dies leaves none that is not whole: the other one compiles what is missing.
 """
 
 from __future__ import annotations
