@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["Pattern", "sparse_pattern"]
@@ -95,16 +96,13 @@ def _eliminated(neighbours: Sequence[set[int]], order: Sequence[int]) -> _Tree:
 
 def _minimum_degree(neighbours: Sequence[set[int]]) -> list[int]:
     """The order that SuperLU eliminates a matrix of this pattern in, one that needs no pivoting."""
-    from scipy.sparse import csc_array
-    from scipy.sparse.linalg import splu
-
     columns = [[block, *sorted(others)] for block, others in enumerate(neighbours)]
     start = np.cumsum([0, *map(len, columns)])
     values = np.concatenate([[len(rows), *[-0.5] * (len(rows) - 1)] for rows in columns])
     n = len(columns)
-    matrix = csc_array((values, np.concatenate(columns), start), shape=(n, n))
+    matrix = libs.sparse.csc_array((values, np.concatenate(columns), start), shape=(n, n))
     matrix.sort_indices()
-    factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    factors = libs.splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     return [int(block) for block in np.argsort(factors.perm_c)]
 
 

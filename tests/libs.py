@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import skfem
     import skfem.helpers as skfem_helpers
     import skfem.models.elasticity as elasticity
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.text import Annotation
 

@@ -13,10 +13,12 @@ from __future__ import annotations
 import json
 import os
 import pickle
+import pkgutil
 import subprocess
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -69,6 +71,19 @@ def record(names: list[int], cache: Path) -> list[tuple[str, str, Any]]:
         return listed
 
 
+def modules_of_leaves() -> list[str]:
+    """All modules of the package that give a kernel to a leaf, but for those in space, which leaves load themselves."""
+    import lcpflex
+    from lcpflex.jit.leaf import Leaf
+
+    for found in pkgutil.walk_packages(lcpflex.__path__, "lcpflex."):
+        if not found.name.endswith("__main__"):
+            import_module(found.name)
+    loaded = [vars(module) for name, module in sys.modules.items() if name.startswith("lcpflex.")]
+    leaves = [value for names in loaded for value in names.values() if isinstance(value, Leaf)]
+    return sorted({kernel.__module__ for leaf in leaves for kernel in leaf.kernels.values()})
+
+
 def main() -> None:
     """Record all kinds and write the list."""
     from lcpflex import gallery
@@ -95,7 +110,8 @@ def main() -> None:
             except ValueError as error:
                 print(f"left out: {module}.{name} with {error}")
         print(f"{kind}: {len(told[kind])} listed")
-    FILE.write_text(json.dumps({"runs": told, "structs": types.structs}, indent=1) + "\n")
+    known = {"runs": told, "structs": types.structs, "modules": modules_of_leaves()}
+    FILE.write_text(json.dumps(known, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -13,8 +13,8 @@ __all__ = ["without_collections"]
 def without_collections() -> Iterator[None]:
     """No collections within: each looks at all that numba, scipy and matplotlib consist of, and finds nothing."""
     collects = gc.isenabled()
-    gc.disable()
     try:
+        gc.disable()
         yield
     finally:
         if collects:

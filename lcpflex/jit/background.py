@@ -14,17 +14,20 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from threading import RLock, Thread
 from typing import TYPE_CHECKING, Any
 
-from lcpflex.jit.cache_folders import cache_folders, say_once, use_only
+from lcpflex.jit.cache_folders import cache_folders, keeper, say_once, use_only
+from lcpflex.jit.file_lock import FileLock
+from lcpflex.jit.private import why_not_thin
 
 if TYPE_CHECKING:
     from lcpflex.jit.manifest import Entry
 
-__all__ = ["VARIABLE", "assist", "compile_all_listed", "expect", "writing"]
+__all__ = ["VARIABLE", "assist", "compile_all_listed", "expecting", "writing"]
 
 VARIABLE = "LCPFLEX_COMPILERS"  # processes that compile for one: 1, or 2 whatever else the machine does
 START = (
@@ -40,10 +43,18 @@ _expected = ""  # the kind of run under way
 _started: list[subprocess.Popen[bytes]] = []
 
 
-def expect(run: str) -> None:
-    """Tell of what kind the next run is: the list that a second process would compile."""
+@contextmanager
+def expecting(run: str) -> Iterator[None]:
+    """Within, kernels are compiled for a run of this kind: the list that a second process would take."""
     global _expected
-    _expected = run
+    before, _expected = _expected, run
+    for process in _started:
+        if process.poll() is not None and process.stdin is not None:
+            process.stdin.close()
+    try:
+        yield
+    finally:
+        _expected = before
 
 
 def assist() -> None:
@@ -51,11 +62,21 @@ def assist() -> None:
     global _expected
     run, _expected = _expected, ""
     if run and not _started and _may_start():
-        from lcpflex.jit.manifest import entries_of
-
-        entries = entries_of(run)
+        entries = _entries(run)
         if sum(map(_is_missing, entries)) > WORTH * len(entries):
             _start(run)
+
+
+def _entries(run: str, to_compile: bool = False) -> list[Entry]:
+    """The list for a kind of run, for all kinds if it is empty; none where it no longer fits the code."""
+    from lcpflex.jit.manifest import all_entries, entries_of, load_modules
+
+    try:
+        if to_compile:
+            load_modules()
+        return entries_of(run) if run else all_entries()
+    except Exception:  # a file that is damaged, a class that has gone: all is compiled as without it
+        return []
 
 
 def compile_all_listed(bar: Callable[[list[Entry]], Iterable[Entry]]) -> None:
@@ -63,9 +84,7 @@ def compile_all_listed(bar: Callable[[list[Entry]], Iterable[Entry]]) -> None:
 
     ``bar``: shows how far it has come.
     """
-    from lcpflex.jit.manifest import all_entries
-
-    missing = list(filter(_is_missing, all_entries()))
+    missing = list(filter(_is_missing, _entries("", to_compile=True)))
     second = _start("") if missing and _may_start() else None
     _compile(bar(missing))
     if second is not None:
@@ -92,11 +111,14 @@ def _is_missing(entry: Entry) -> bool:
 
 def _may_start() -> bool:
     """Whether a second process is wanted, and has a core of its own."""
-    wish = os.environ.get(VARIABLE, "")
-    if wish in ("1", "2"):
-        return wish == "2"
-    if not sys.executable or getattr(sys, "frozen", False):
+    wish = os.environ.get(VARIABLE, "").strip()
+    if wish not in ("", "1", "2"):
+        say_once(f"{VARIABLE} is {wish!r}, expected 1 or 2: no second process")
+    is_python = Path(sys.executable or "").stem.lower().startswith(("python", "pypy"))  # not a program with one inside
+    if wish not in ("", "2") or not is_python or os.name == "nt" or why_not_thin():  # on Windows it was not tried
         return False
+    if wish == "2":
+        return True
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
     return cores >= 2 and cores - load >= FREE
@@ -107,11 +129,12 @@ def _start(run: str) -> subprocess.Popen[bytes] | None:
 
     It ends by itself, and with this process.
     """
-    job = {"path": sys.path, "run": run, "folders": list(map(str, cache_folders()))}
+    path = [entry for entry in sys.path if isinstance(entry, str)]
+    job = {"path": path, "run": run, "folders": list(map(str, cache_folders()))}
     flags = ["-" + "O" * sys.flags.optimize] if sys.flags.optimize else []
     try:
         process = subprocess.Popen(
-            [sys.executable, *flags, "-c", START, json.dumps(job)],
+            [sys.executable, "-P", *flags, "-c", START, json.dumps(job)],  # -P: nothing from the folder it is in
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
@@ -122,9 +145,17 @@ def _start(run: str) -> subprocess.Popen[bytes] | None:
         return None
     if not _started:
         atexit.register(_end)
+        os.register_at_fork(after_in_child=_forget)
     _started.append(process)
     say_once(f"a second process compiles on another core ({VARIABLE}=1: none)")
     return process
+
+
+def _forget() -> None:
+    """In a fork of this process: the pipe is not its own, and would stay open with it."""
+    for process in _started:
+        if process.stdin is not None:
+            process.stdin.close()
 
 
 def _end() -> None:
@@ -142,14 +173,18 @@ def _end() -> None:
 
 def serve(job: dict[str, Any]) -> None:
     """What the second process does: it ends when the first one has, or when the list is done."""
-    from lcpflex.jit.manifest import all_entries, entries_of
-
     Thread(target=_watch, args=(sys.stdin.fileno(),), daemon=True).start()
     if job["folders"] != list(map(str, cache_folders())):
         use_only(Path(job["folders"][0]))
-    entries = entries_of(job["run"]) if job["run"] else all_entries()
-    middle = len(entries) // 2  # the last ones call nearly all others
-    _compile([*entries[middle:], *reversed(entries[:middle])])
+    folder = keeper()
+    if folder is None:
+        return
+    alone = FileLock(folder / "second.lock")
+    if alone.acquire(0.0):  # one is enough for all that share a folder, and a pool of processes its cores
+        entries = _entries(job["run"], to_compile=True)
+        middle = len(entries) // 2  # the last ones call nearly all others
+        _compile([*entries[middle:], *reversed(entries[:middle])])
+        alone.release()
 
 
 def _watch(pipe: int) -> None:

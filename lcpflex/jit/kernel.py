@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 import types
 from collections.abc import Callable
-from functools import update_wrapper
+from functools import cache, update_wrapper
 from threading import RLock
 from typing import Any, TypeVar, cast
 
@@ -48,7 +48,10 @@ def late_kernel(function: F) -> F:
 
 def _only_python() -> bool:
     """Whether numba is told by its environment not to compile; it need not be loaded to know."""
-    return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
+    try:
+        return bool(int(os.environ.get("NUMBA_DISABLE_JIT") or "0"))
+    except ValueError:  # as numba, which warns
+        return False
 
 
 class Kernel:
@@ -83,7 +86,10 @@ class Kernel:
         if self._made is None:
             with _making:
                 if self._made is None:
-                    self._made = _dispatcher(self.py_func, self.late)
+                    try:
+                        self._made = _dispatcher(self.py_func, self.late)
+                    except AttributeError as error:  # which Python would take for the lack of ``made``
+                        raise ImportError(f"numba cannot be used with what is installed: {error}") from error
         return self._made
 
     @property
@@ -97,6 +103,10 @@ class Kernel:
             raise AttributeError(name)
         return getattr(self.made, name)
 
+    def __repr__(self) -> str:
+        """Its name."""
+        return f"<kernel {self.py_func.__module__}.{self.py_func.__qualname__}>"
+
     def __reduce__(self) -> str:
         """Pickled by its name."""
         return self.py_func.__qualname__
@@ -107,11 +117,8 @@ _making = RLock()
 
 def _dispatcher(function: Callable[..., Any], late: bool) -> Any:
     """What compiles ``function``; the function itself where numba is told by its file of settings not to compile."""
-    import numba
-
-    if numba.config.DISABLE_JIT:
+    if _disabled():
         return function
-    import lcpflex.jit.leaf_type  # noqa: F401  (what numba must know of leaves)
     from lcpflex.jit.private import why_not_thin
 
     if reason := why_not_thin():
@@ -121,6 +128,14 @@ def _dispatcher(function: Callable[..., Any], late: bool) -> Any:
 
     kind = LateDispatcher if late else ThinDispatcher
     return kind(function, {"nopython": True, "boundscheck": None, **OPTIONS})
+
+
+@cache
+def _disabled() -> bool:
+    """Whether numba's own file of settings tells it not to compile: once for all kernels, which call each other."""
+    import numba
+
+    return bool(numba.config.DISABLE_JIT)
 
 
 def _linked_by_numba(function: Callable[..., Any], reason: str) -> Any:

@@ -22,7 +22,7 @@ import llvmlite
 import numba
 import numpy as np
 
-from lcpflex.jit.leaf import Leaf
+from lcpflex.jit.leaf import Leaf, forget_choices
 
 __all__ = ["LEVELS", "Magic", "content", "derived", "key_of", "machines"]
 
@@ -162,7 +162,8 @@ def _own(function: Any, structs: frozenset[str]) -> tuple[str, list[Any]]:
 
 def _source(value: Any) -> Any:
     """The function that a kernel or an intrinsic was made of; any other value as it is."""
-    return getattr(value, "py_func", getattr(value, "_defn", value))
+    found = getattr(value, "py_func", None)
+    return getattr(value, "_defn", value) if found is None else found
 
 
 def _result(source: Callable[..., Any]) -> object:
@@ -207,3 +208,6 @@ def _of_code(code: types.CodeType, doc: str | None = None) -> str:
     names = code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars
     flags = code.co_flags & KEPT_FLAGS
     return derived(code.co_code, code.co_exceptiontable, flags, code.co_argcount, names, plain)
+
+
+forget_choices += [content.cache_clear, _own.cache_clear]

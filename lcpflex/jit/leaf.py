@@ -28,7 +28,7 @@ from typing import Any, Generic, ParamSpec, TypeVar
 
 from lcpflex.jit.kernel import kernel
 
-__all__ = ["Leaf", "in_space", "leaf", "load_space", "optional_leaf"]
+__all__ = ["Leaf", "forget_choices", "in_space", "leaf", "load_space", "optional_leaf"]
 
 SPATIAL = "Spatial"  # names of the structs of space begin so
 
@@ -36,6 +36,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 _modules: set[str] = set()  # with kernels of space
+forget_choices: list[Callable[[], None]] = []  # called when a leaf has one more kernel: what has looked at the others
 
 
 class Leaf(Generic[P, R]):
@@ -69,6 +70,8 @@ class Leaf(Generic[P, R]):
 
         def register(function: Callable[P, R]) -> Callable[P, R]:
             self.kernels.update({kind.__name__: function for kind in kinds})
+            for forget in forget_choices:
+                forget()
             return function
 
         return register
@@ -105,6 +108,13 @@ class Leaf(Generic[P, R]):
         if self.space and any(map(self._knows, labels)):
             return {SPATIAL: self._kernel(SPATIAL)}  # and no planar one
         return found if self.default is None else {**found, "": self.default}
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What numba asks of a value that a function names."""
+        from lcpflex.jit.leaf_type import LeafType
+
+        return LeafType(self)
 
     def copy(self) -> Leaf[P, R]:
         """Another one with the same kernels."""

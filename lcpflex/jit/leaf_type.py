@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from numba.core import types
-from numba.extending import models, register_model, typeof_impl
+from numba.extending import models, register_model
 
 from lcpflex.jit.leaf import Leaf
 
@@ -35,12 +35,6 @@ class LeafType(types.Callable, types.Dummy):
         """The type of the kernel for arguments of these types."""
         chosen: Any = self.leaf.chosen(getattr(argument, "label", "") for argument in arguments)
         return chosen._numba_type_
-
-
-@typeof_impl.register(Leaf)  # type: ignore[untyped-decorator]
-def typeof_leaf(value: Leaf[Any, Any], context: Any) -> LeafType:
-    """A type of its own."""
-    return LeafType(value)
 
 
 @register_model(LeafType)

@@ -8,7 +8,8 @@ holds, because a kernel or a struct has changed since, costs the time to compile
 The file is JSON. A type is ``int64``, ``float64``, ``bool``, an array as ``float64[:,:]C`` (with r where it is read
 only, u where it is not aligned), a tuple as ``tuple(int64,float64)``, or the name of one of ``structs``, which has
 named tuples, too: their first field has no name and tells the class. A kernel is ``module:name`` and its types;
-``runs`` has them by kind of run, in the order in which they are first done.
+``runs`` has them by kind of run, in the order in which they are first done; ``modules`` are those with kernels that
+leaves choose from.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ import numba
 from lcpflex.jit.leaf import Leaf
 from lcpflex.jit.struct_type import PackedType, packed_type
 
-__all__ = ["Entry", "Types", "all_entries", "entries_of"]
+__all__ = ["Entry", "Types", "all_entries", "entries_of", "load_modules"]
 
 FILE = Path(__file__).with_name("manifest.json")
 NUMBERS = {"int64": numba.types.int64, "float64": numba.types.float64, "bool": numba.types.boolean}
@@ -106,12 +107,11 @@ class Types:
             return numba.types.Array(
                 NUMBERS[number], axes.count(":"), marks[0], readonly="r" in marks, aligned="u" not in marks
             )
-        (first, _, home), *rest = (part.partition(":") for part in self.structs[words].split())
-        if not first:
-            module, _, name = home.partition(":")
-            kinds = [self.made(part) for _, _, part in rest]
+        fields = [(name, part) for name, _, part in (told.partition(":") for told in self.structs[words].split())]
+        if fields and not fields[0][0]:
+            module, _, name = fields[0][1].partition(":")
+            kinds = [self.made(part) for _, part in fields[1:]]
             return numba.types.BaseTuple.from_types(kinds, getattr(import_module(module), name))
-        fields = ((first, home), *((name, part) for name, _, part in rest))
         return packed_type(words.partition("#")[0], tuple((name, self.made(part)) for name, part in fields))
 
 
@@ -128,25 +128,32 @@ def _split(words: str) -> list[str]:
 
 
 @cache
-def _read() -> tuple[dict[str, list[str]], Types]:
-    """Kernels in words by kind of run, and the types that they name."""
-    known = json.loads(FILE.read_text()) if FILE.is_file() else {"runs": {}, "structs": {}}
-    return known["runs"], Types(known["structs"])
+def _read() -> dict[str, Any]:
+    return json.loads(FILE.read_text()) if FILE.is_file() else {"runs": {}, "structs": {}, "modules": []}
+
+
+@cache
+def _types() -> Types:
+    return Types(_read()["structs"])
+
+
+def load_modules() -> None:
+    """Load the modules with kernels that leaves choose from (:mod:`lcpflex.jit.leaf`), which else choose others."""
+    for module in _read()["modules"]:
+        import_module(module)
 
 
 def entries_of(run: str) -> list[Entry]:
     """The kernels of a kind of run, in the order in which they are first done; none for one that is not listed."""
-    runs, types = _read()
-    return [_entry(words, types) for words in runs.get(run, ())]
+    return [_entry(words) for words in _read()["runs"].get(run, ())]
 
 
 def all_entries() -> list[Entry]:
     """Those of all kinds, each once."""
-    runs, types = _read()
-    return [_entry(words, types) for words in dict.fromkeys(words for run in runs.values() for words in run)]
+    return [_entry(words) for words in dict.fromkeys(words for run in _read()["runs"].values() for words in run)]
 
 
-def _entry(words: str, types: Types) -> Entry:
+def _entry(words: str) -> Entry:
     place, *kinds = words.split()
     module, _, name = place.partition(":")
-    return Entry(module, name, tuple(map(types.made, kinds)))
+    return Entry(module, name, tuple(map(_types().made, kinds)))

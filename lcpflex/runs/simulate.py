@@ -21,7 +21,7 @@ from lcpflex.checks.wound_springs import wound_spring
 from lcpflex.dynamics.impact_laws import Newton
 from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
 from lcpflex.force_laws.friction.creep import crept
-from lcpflex.jit.background import expect
+from lcpflex.jit.background import expecting
 from lcpflex.results.energy_balance import Energies, EnergyGrowth, energy_warnings, lift_of
 from lcpflex.results.problem_log import ProblemLog, RecordProblems
 from lcpflex.results.result import Event, Result
@@ -126,18 +126,18 @@ def simulate(
     duration, interval, progress, project = checked_request(
         duration, stepper, record, progress, project, energy_growth, record_problems
     )
-    expect(kind_of_run(scene, stepper))
-    source = compiled_for(scene, stepper, project or isinstance(initial, Rest))
-    notes: tuple[str, ...] = ()
-    if initial is not None:
-        source, notes = started_from(source, initial, stepper)
-    records_problems = record_problems is not None
-    every = in_range("every", every, 0.0, float("inf"))
-    options = Options(duration, interval, project, energy_growth, notes, every, records_problems)
-    keeper = None if checkpoint is None else Checkpoints(checkpoint, every)
-    if keeper is not None:
-        keeper.refuse_others()
-    return carry_out(set_up(source, stepper, options, record_problems), progress, keeper)
+    with expecting(kind_of_run(scene, stepper)):
+        source = compiled_for(scene, stepper, project or isinstance(initial, Rest))
+        notes: tuple[str, ...] = ()
+        if initial is not None:
+            source, notes = started_from(source, initial, stepper)
+        records_problems = record_problems is not None
+        every = in_range("every", every, 0.0, float("inf"))
+        options = Options(duration, interval, project, energy_growth, notes, every, records_problems)
+        keeper = None if checkpoint is None else Checkpoints(checkpoint, every)
+        if keeper is not None:
+            keeper.refuse_others()
+        return carry_out(set_up(source, stepper, options, record_problems), progress, keeper)
 
 
 def given_up_after(

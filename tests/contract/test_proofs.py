@@ -5,8 +5,6 @@ from collections import Counter
 
 import numpy as np
 import pytest
-import scipy.optimize
-import scipy.sparse.linalg
 
 from lcpflex.basics import libs
 from lcpflex.errors import ModelError
@@ -334,7 +332,7 @@ class TestForeignExceptions:
         def fails(*arguments, **settings):
             raise kind("Factor is exactly singular" + 900 * "!")
 
-        monkeypatch.setattr(scipy.sparse.linalg, "splu", fails)
+        monkeypatch.setattr(libs, "splu", fails)
         problem = ContactProblem(None, [-1.0, -1.0, 0.0, 0.2], [0.5, 0.5], factor=self.factor)
         found = BlockGaussSeidel().solve(problem)
         assert not found.solved

@@ -167,6 +167,102 @@ def test_where_a_second_process_starts(
     assert background._may_start() == starts
 
 
+def test_what_is_no_number_of_compilers(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """Said, and no second process."""
+    monkeypatch.setattr("lcpflex.jit.cache_folders._said", set())
+    for wish in ("0", "3", "abc"):
+        monkeypatch.setenv(background.VARIABLE, wish)
+        assert not background._may_start()
+        assert f"LCPFLEX_COMPILERS is {wish!r}, expected 1 or 2" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("program", [None, "", "/usr/bin/freecad"])
+def test_no_second_program(program: str | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What has a Python inside is not started once more."""
+    monkeypatch.setenv(background.VARIABLE, "2")
+    monkeypatch.setattr(sys, "executable", program)
+    assert not background._may_start()
+
+
+@pytest.mark.parametrize(
+    "damage", ["no JSON", '{"runs": {"a": ["lcpflex.gone:f Gone"]}, "structs": {}, "modules": []}', "{}"]
+)
+def test_a_list_that_no_longer_fits(damage: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """All is compiled as without it: no error, and no second process."""
+    (tmp_path / "list").write_text(damage)
+    monkeypatch.setattr(manifest, "FILE", tmp_path / "list")
+    monkeypatch.setenv(background.VARIABLE, "2")
+    for kept in (manifest._read, manifest._types):
+        kept.cache_clear()
+    try:
+        with background.expecting("a"):
+            background.assist()
+        background.compile_all_listed(list)
+        assert background._started == []
+    finally:
+        for kept in (manifest._read, manifest._types):
+            kept.cache_clear()
+
+
+FORK = """
+import os, sys
+from lcpflex.jit import background
+process = background._start("plane MoreauJean")
+child = os.fork()
+if child == 0:
+    sys.stdin.read()  # until the parent of this one has seen the end of the second process
+    os._exit(0)
+process.stdin.close()
+print(process.wait(30.0))
+background._started.clear()
+"""
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_a_fork_does_not_hold_the_second_process(tmp_path: Path) -> None:
+    """It has the pipe, too, and closes it."""
+    process = subprocess.Popen(
+        [sys.executable, "-W", "ignore", "-c", FORK],
+        env=environment(tmp_path, "2"),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "0\n"
+    process.communicate()
+
+
+KEYS = """
+import importlib, pkgutil
+import lcpflex
+from lcpflex.jit import keys, manifest
+from numba.core.registry import cpu_target
+codegen = cpu_target.target_context.codegen()
+
+def names(entries):
+    return [next(entry.dispatcher()._cache._keys(entry.arguments, codegen)) for entry in entries]
+
+manifest.load_modules()
+entries = manifest.all_entries()
+one = names(entries)
+for found in pkgutil.walk_packages(lcpflex.__path__, "lcpflex."):
+    if not found.name.endswith("__main__"):
+        importlib.import_module(found.name)
+other = names(entries)
+keys.content.cache_clear()
+keys._own.cache_clear()
+print([str(entry) for entry, a, b, c in zip(entries, one, other, names(entries)) if not a == b == c])
+"""
+
+
+def test_keys_do_not_depend_on_what_is_loaded() -> None:
+    """Steppers give kernels to leaves when they are loaded: a key from before that would be that of another kernel."""
+    ran = subprocess.run([sys.executable, "-c", KEYS], capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stderr
+    assert ran.stdout == "[]\n"
+
+
 def test_types_in_words() -> None:
     """And back: numbers, arrays, tuples, structs, and two structs of one name."""
     array, number = numba.types.Array, numba.float64

@@ -7,13 +7,11 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from PIL import Image
 
 import lcpflex as lf
 from lcpflex.results.film_clock import Clock
 from lcpflex.results.gif import Gif, Pixels, palette_of
+from tests import libs
 from tests.scenes import floor_of
 
 WHITE, BLUE, ORANGE = (255, 255, 255, 255), (0, 114, 178, 255), (213, 94, 0, 255)
@@ -24,7 +22,7 @@ def pixels_of(colours: npt.NDArray[np.uint8]) -> Pixels:
 
 
 def frames_of(path: Path) -> list[npt.NDArray[np.uint8]]:
-    with Image.open(path) as film:
+    with libs.image.open(path) as film:
         count: int = film.n_frames
         found = []
         for k in range(count):
@@ -52,7 +50,7 @@ def test_frames_of_a_gif_are_what_was_drawn(tmp_path: Path) -> None:
         film.close()
     for frame, expected in zip(frames_of(path), drawn, strict=True):
         np.testing.assert_allclose(frame.astype(int), expected[..., :3], atol=4)
-    with Image.open(path) as opened:
+    with libs.image.open(path) as opened:
         assert opened.info["duration"] == 40
         assert opened.info["loop"] == 0
 
@@ -60,8 +58,8 @@ def test_frames_of_a_gif_are_what_was_drawn(tmp_path: Path) -> None:
 def test_clock_writes_as_a_text_would() -> None:
     """At most a pixel aside: digits are put at whole pixels."""
     times = np.array([9.8765, 10.4321])
-    figure = Figure(figsize=(4, 3), dpi=80)
-    canvas = FigureCanvasAgg(figure)
+    figure = libs.Figure(figsize=(4, 3), dpi=80)
+    canvas = libs.FigureCanvasAgg(figure)
     axes = figure.subplots()
     canvas.draw()  # type: ignore[no-untyped-call]
     clock = Clock(canvas, axes, times, "s, twice as slow")
@@ -88,6 +86,6 @@ def test_film_shows_what_pictures_show(tmp_path: Path) -> None:
     *_, last = frames_of(result.animate(tmp_path / "film.gif", fps=5.0, slowdown=20.0))
     orange = (last[..., 0].astype(int) - last[..., 2] > 150).sum()
     result.draw(0.1).savefig(tmp_path / "still.png", dpi=80)
-    whole = np.asarray(Image.open(tmp_path / "still.png"))
+    whole = np.asarray(libs.image.open(tmp_path / "still.png"))
     assert orange == pytest.approx((whole[..., 0].astype(int) - whole[..., 2] > 150).sum(), rel=0.25)
     assert {(217, 217, 217), (255, 255, 255)} <= {tuple(colour) for colour in last.reshape(-1, 3).tolist()}
