@@ -179,7 +179,7 @@ def keep(file: KernelFile) -> bool:
 def _announce() -> None:
     """Say once what the first call waits for, and whether that was for ever."""
     say_once(
-        "compiling its kernels for this machine (once; some tens of seconds, "
+        "compiling its kernels for this machine (once; half a minute, "
         "`lcpflex warmup` does all of them ahead of time) ..."
     )
     if keeper() is None:

@@ -51,7 +51,7 @@ def test_what_numba_lacks_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
         raise AttributeError("module 'numpy' has no attribute 'bool'")
 
     monkeypatch.setattr(kernels, "_dispatcher", broken)
-    with pytest.raises(ImportError, match="numba cannot be used .* no attribute 'bool'"):
+    with pytest.raises(ImportError, match=r"numba cannot be used .* no attribute 'bool'"):
         Kernel(lambda x: x, late=False)(1.0)
 
 
