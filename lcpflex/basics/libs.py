@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     import meshio
     import numba.core.event as numba_event
     import pandas
-    import PIL.GifImagePlugin as gif
     import PIL.Image as image
     import qpsolvers
     import scipy.linalg as linalg

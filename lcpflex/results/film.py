@@ -16,7 +16,7 @@ from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError, in_range, writable_path
 from lcpflex.results.drawn_forces import FRONT, INK
 from lcpflex.results.film_clock import Clock
-from lcpflex.results.gif import Gif, Part, Pixels, palette_of
+from lcpflex.results.gif import Part, Pixels, palette_of, write_gif
 from lcpflex.results.plot import picture_of, scene_of
 from lcpflex.results.spatial.camera import look_of
 
@@ -152,10 +152,7 @@ def _write_gif(target: Path, stage: _Stage, clock: Clock, records: IntArray, fps
 
     samples = [frame(k).copy() for k in np.unique(np.linspace(0, len(records) - 1, _SAMPLES).astype(int))]
     with target.open("wb") as file:
-        film = Gif(file, still, palette_of(still, samples, ("#000000", INK)), 1.0 / fps)
-        for k in range(len(records)):
-            film.add(frame(k))
-        film.close()
+        write_gif(file, still, map(frame, range(len(records))), palette_of(still, samples, ("#000000", INK)), 1.0 / fps)
 
 
 def _write_mp4(target: Path, stage: _Stage, times: FloatArray, words: str, records: IntArray, fps: float) -> None:
