@@ -5,7 +5,7 @@
 Each case of the warm-up that is the first one of its kind runs in a process of its own with an empty cache; all others
 follow in one process with what these have compiled, and what is new there goes under "more". Listed are the kernels
 that Python calls, and those that have taken at least ``LEAST`` bytes of bytecode with what they call: half a second.
-To be run when kernels or structs have changed: tests/unit/jit/test_manifest.py tells when too much has.
+To be run when kernels or structs have changed: tests/unit/jit/test_background.py tells when too much has.
 """
 
 from __future__ import annotations
