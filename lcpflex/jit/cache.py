@@ -72,9 +72,11 @@ class KernelCache(_Cache):  # type: ignore[misc]
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The compiled kernel for argument types; None, and a lock for :meth:`leave`, where it is to be compiled."""
-        target_context.refresh()
         keys = list(self._keys(sig, target_context.codegen()))
         loaded = self._load(keys, target_context)
+        if loaded is None:
+            target_context.refresh()  # a tenth of a second; files may refer to symbols that come with it
+            loaded = self._load(keys, target_context)
         if loaded is None:
             background.assist()
             self._locks.append(self._lock(keys))
