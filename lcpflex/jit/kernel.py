@@ -142,7 +142,11 @@ def _linked_by_numba(function: Callable[..., Any], reason: str) -> Any:
     """For other versions of numba: compiling takes twice as long, and files are ten times as large."""
     import numba
 
+    from lcpflex.jit.literals import without_literals
+
     dispatcher = numba.njit(**OPTIONS)(function)
+    call = dispatcher.get_call_template
+    dispatcher.get_call_template = lambda args, kws: call(*without_literals(args, kws))
     try:
         from lcpflex.jit.plain import attach
 

@@ -6,14 +6,13 @@ import pickle
 from collections.abc import Callable
 from typing import Any
 
-from numba import types
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
 from lcpflex.jit.cache import KernelCache, read_anywhere
 from lcpflex.jit.kernel_file import KernelFile
 
-__all__ = ["attach", "without_literals"]
+__all__ = ["attach"]
 
 ALL = -1  # callees are linked in
 
@@ -24,7 +23,7 @@ def attach(dispatcher: Any, function: Callable[..., Any], reason: str) -> None:
     ``reason``: why it is not linked thinly, said at the first one that is compiled.
     """
     kept = dispatcher._cache = KernelCache(function, ALL, _load, _file_of, f"{reason}: compiling takes longer")
-    plain, call = dispatcher.compile, dispatcher.get_call_template
+    plain = dispatcher.compile
 
     def compiled(sig: Any) -> Any:
         depth = kept.depth
@@ -34,15 +33,6 @@ def attach(dispatcher: Any, function: Callable[..., Any], reason: str) -> None:
             kept.leave(depth)
 
     dispatcher.compile = compiled
-    dispatcher.get_call_template = lambda args, kws: call(*without_literals(args, kws))
-
-
-def without_literals(args: Any, kws: Any) -> tuple[Any, Any]:
-    """Argument types of a call, a number that is written there taken as any other number.
-
-    Numba would compile a callee once more for each literal it is given.
-    """
-    return tuple(map(types.unliteral, args)), {name: types.unliteral(kind) for name, kind in kws.items()}
 
 
 def _load(key: str, context: Any) -> Any:

@@ -12,7 +12,7 @@ from lcpflex.jit import loading, thin
 from lcpflex.jit.cache import KernelCache, keep, read_anywhere
 from lcpflex.jit.kernel_file import KernelFile
 from lcpflex.jit.keys import derived, machines
-from lcpflex.jit.plain import without_literals
+from lcpflex.jit.literals import without_literals
 from lcpflex.jit.thin import ThinCompiler, ThinLibrary
 
 __all__ = ["ThinDispatcher"]

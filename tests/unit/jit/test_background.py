@@ -27,18 +27,17 @@ pytestmark = [
 # The demo's run with an empty cache: its bits, what this process compiled, and how much of the list that is.
 RUN = """
 import hashlib, json, sys
-from lcpflex.jit import cache
+from lcpflex.jit import background, cache, manifest
 compiled, keys = [], set()
 save = cache.KernelCache.save_overload
 def saved(self, sig, data):
     compiled.append((self._py_func.__qualname__, len(self._py_func.__code__.co_code)))
     keys.add(next(self._keys(sig, data.codegen)))
-    print(len(compiled), file=sys.stderr, flush=True)
+    print("compiled", len(compiled), *(process.pid for process in background._started), file=sys.stderr, flush=True)
     save(self, sig, data)
 cache.KernelCache.save_overload = saved
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.jit import background, manifest
 from numba.core.registry import cpu_target
 case = gallery.scenes()["pendulum"]
 result = lf.simulate(case.build(), case.duration, case.stepper, progress=False)
@@ -103,47 +102,43 @@ def test_two_processes_give_the_same_bits(alone: dict[str, Any], tmp_path: Path)
 @pytest.mark.parametrize("victim", ["first", "second"])
 def test_a_process_that_is_killed_leaves_nothing_wrong(victim: str, alone: dict[str, Any], tmp_path: Path) -> None:
     """The other one goes on, or ends; the next run is as any other."""
-    first = subprocess.Popen(
+    with subprocess.Popen(
         [sys.executable, "-c", RUN],
         env=environment(tmp_path, "2"),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-    )
-    assert first.stderr is not None
-    assert first.stdout is not None
-    while first.stderr.readline().strip() != "30":  # kernels of the first process
-        assert first.poll() is None
-    (second,) = children(first.pid)
-    if victim == "first":
-        first.kill()
-        first.wait()
-        ended(second)
-    else:
-        os.kill(second, signal.SIGKILL)
-        for _ in first.stderr:  # read on, so that it is never full
-            pass
-        assert json.loads(first.stdout.read())["bits"] == alone["bits"]
-        assert first.wait() == 0
+    ) as first:
+        second = started_by(first)
+        if victim == "first":
+            first.kill()
+            wait_for_end(second)
+        else:
+            os.kill(second, signal.SIGKILL)
+            told, _ = first.communicate()
+            assert json.loads(told)["bits"] == alone["bits"]
     assert whole(tmp_path)
     assert run(tmp_path, "1")["bits"] == alone["bits"]
 
 
-def children(process: int) -> list[int]:
-    """The processes that one has started."""
-    told = subprocess.run(["ps", "-o", "pid=", "--ppid", str(process)], capture_output=True, text=True).stdout
-    return [int(number) for number in told.split()]
+def started_by(first: subprocess.Popen[str]) -> int:
+    """The process that a run has started, when the run has compiled thirty kernels itself."""
+    assert first.stderr is not None
+    for line in first.stderr:
+        if line.startswith("compiled 30 "):
+            return int(line.split()[2])
+    raise AssertionError("it ended before")
 
 
-def ended(process: int) -> None:
-    """Wait until a process is gone, which is no child of this one."""
+def wait_for_end(process: int) -> None:
+    """Wait until a process is gone, or only its exit code is left, which nobody may ask for."""
+    state = Path(f"/proc/{process}/stat")
     while True:
         try:
             os.kill(process, 0)
-        except ProcessLookupError:
-            return
-        state = subprocess.run(["ps", "-o", "stat=", "-p", str(process)], capture_output=True, text=True).stdout
-        if state.startswith("Z"):  # nobody has asked for its exit code yet
+            if state.exists() and state.read_text().rpartition(")")[2].split()[0] == "Z":
+                return
+        except (ProcessLookupError, FileNotFoundError):
             return
         time.sleep(0.05)
 
