@@ -53,7 +53,8 @@ FIRST = (
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Kernels for all processes, once, in two processes, where the whole suite is to be run in several."""
     config = session.config
-    whole = config.args_source is config.ArgsSource.TESTPATHS and not config.option.collectonly
+    chosen = config.option.collectonly or config.option.keyword or config.getoption("lf", False)
+    whole = config.args_source is config.ArgsSource.TESTPATHS and not chosen
     several = getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput")
     if not several or not whole or os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
         return
