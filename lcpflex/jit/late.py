@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import base64
 import ctypes
-import importlib
 import pickle
 import zlib
 from _thread import interrupt_main
@@ -26,6 +25,7 @@ from numba.core.typing import make_concrete_template, signature
 
 from lcpflex.errors import LcpflexError
 from lcpflex.jit.keys import derived
+from lcpflex.jit.leaf import dispatcher_of
 from lcpflex.jit.thin import PROCESS, ThinLibrary, late_calls
 from lcpflex.jit.thin_dispatcher import ThinDispatcher
 
@@ -132,8 +132,7 @@ def compile_all() -> None:
 def _address(call: str) -> Any:
     """Of the machine code of a late kernel."""
     module, name, kinds = pickle.loads(zlib.decompress(base64.b64decode(late_calls[call])))
-    found = getattr(importlib.import_module(module), name)
-    dispatcher = getattr(found, "default", found).made  # of a leaf, the kernel that it was declared with
+    dispatcher = dispatcher_of(module, name)
     dispatcher.compile(kinds)
     result = dispatcher.overloads[kinds]
     returned = result.signature.return_type

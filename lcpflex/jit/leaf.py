@@ -28,7 +28,7 @@ from typing import Any, Generic, ParamSpec, TypeVar
 
 from lcpflex.jit.kernel import kernel
 
-__all__ = ["Leaf", "forget_choices", "in_space", "leaf", "load_space", "optional_leaf"]
+__all__ = ["Leaf", "dispatcher_of", "forget_choices", "in_space", "leaf", "load_space", "optional_leaf"]
 
 SPATIAL = "Spatial"  # names of the structs of space begin so
 
@@ -154,6 +154,13 @@ def in_space(module: str) -> Callable[[Callable[P, R]], Leaf[P, R]]:
         return Leaf(getattr(planar, "py_func", planar), planar, module)
 
     return declare
+
+
+def dispatcher_of(module: str, name: str) -> Any:
+    """What compiles the kernel of that name; of a leaf, the kernel that it was declared with."""
+    found = getattr(import_module(module), name)
+    kernel: Any = found.default if isinstance(found, Leaf) else found
+    return kernel.made
 
 
 def load_space() -> None:

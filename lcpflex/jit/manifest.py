@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numba
 
-from lcpflex.jit.leaf import Leaf
+from lcpflex.jit.leaf import dispatcher_of
 from lcpflex.jit.struct_type import PackedType, packed_type
 
 __all__ = ["Entry", "Types", "all_entries", "entries_of", "load_modules"]
@@ -39,10 +39,8 @@ class Entry(NamedTuple):
     arguments: tuple[Any, ...]
 
     def dispatcher(self) -> Any:
-        """What compiles it; of a leaf, the kernel that it was declared with."""
-        found = getattr(import_module(self.module), self.name)
-        kernel: Any = found.default if isinstance(found, Leaf) else found
-        return kernel.made
+        """What compiles it."""
+        return dispatcher_of(self.module, self.name)
 
 
 class Types:
