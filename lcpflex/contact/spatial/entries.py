@@ -28,6 +28,7 @@ def load_pair(
     for v in range(5):
         table.point[k, v] = point
     table.sense[k] = 1.0
+    table.weight[k] = 1.0
     table.facing[k] = 0.0
     table.foot[k, 0] = 0.0
     table.foot[k, 1] = 0.0

@@ -78,6 +78,8 @@ class SpatialContactTable:
     radius: FloatArray = array("contacts", 3)
     # of the normal: of spheres sign of R, of two edges that of e x f; of the end of a cylinder +1 at x; else +1
     sense: FloatArray = array("contacts")
+    # share of the corner in the middle of the patch it belongs to, by which forces that nothing determines are divided
+    weight: FloatArray = array("contacts")
     facing: FloatArray = array("contacts")  # of nodes: least cosine of their outward normal and that of j, reversed
     # xi^1, xi^2 in a facet; s on an edge; s and t of two edges; s on an edge, and which half of a rim it meets
     foot: FloatArray = array("contacts", 2)
@@ -128,6 +130,7 @@ def copy_entry(source: SpatialContactTable, i: int, target: SpatialContactTable,
     target.kind[j] = source.kind[i]
     target.node[j] = source.node[i]
     target.sense[j] = source.sense[i]
+    target.weight[j] = source.weight[i]
     target.facing[j] = source.facing[i]
     target.gap[j] = source.gap[i]
     target.along[j] = source.along[i]
