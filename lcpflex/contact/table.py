@@ -12,7 +12,7 @@ from lcpflex.contact.rule_pairs import RulePairs, no_pairs
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
 
-__all__ = ["ALL", "COMPLIANT", "RIGID", "ContactTable", "contact_table", "entry_of", "table_maker"]
+__all__ = ["ALL", "COMPLIANT", "RIGID", "ContactTable", "contact_table", "entry_of", "most_corners", "table_maker"]
 
 RIGID, COMPLIANT, ALL = range(3)  # contacts that a table collects: rigid ones, compliant ones, all
 
@@ -52,10 +52,11 @@ def contact_table(
     collects: int = ALL,
     pairs: RulePairs | None = None,
     touching: float = math.inf,
+    corners: int = 0,
 ) -> ContactTable:
     """An empty table for ``capacity`` contacts between ``n_surfaces`` surfaces (those of the model it is used with).
 
-    pairs: of the rule of that model, where it has one.
+    pairs: of the rule of that model, where it has one. corners: of a patch, which there is in space alone.
     """
     sizes = {"contacts": capacity, "surfaces": n_surfaces}
     return allocate(
@@ -66,6 +67,12 @@ def contact_table(
         pairs=no_pairs() if pairs is None else pairs,
         touching=touching,
     )
+
+
+def most_corners(contacts: Any) -> int:
+    """How many corners a patch of two faces has at most; none in the plane."""
+    sides = getattr(contacts, "side_start", ())
+    return 2 * int(np.max(np.diff(sides), initial=0))
 
 
 def table_maker(in_space: bool) -> Any:

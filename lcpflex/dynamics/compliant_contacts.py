@@ -72,13 +72,16 @@ def compliant_contacts(
     history: ContactMemory,
     dof: IntArray,
     pattern: JointPattern,
-    n_surfaces: int,
+    surfaces: tuple[int, int],
     factors: Arrow,
     dense: FloatArray,
     capacity: int,
     in_space: bool = False,
 ) -> CompliantContacts:
-    """Allocate for ``capacity`` of the declared contacts with these ``laws``; None: rigid."""
+    """Allocate for ``capacity`` of the declared contacts with these ``laws``; None: rigid.
+
+    surfaces: how many there are, and the corners that a patch of two of them has at most.
+    """
     compliant = [int(law is not None) for law in laws]
     ndof, width = (int(dof[-1]), int(np.max(np.diff(dof), initial=1))) if any(compliant) else (0, 1)
     joints = joint_factor(pattern if any(compliant) else no_joints(len(dof) - 1), ndof, 0)
@@ -89,7 +92,8 @@ def compliant_contacts(
     vector = 3 if in_space else 1  # numbers of a friction force that are kept from step to step: world axes
     sizes |= {"tangents": (each - 1) * capacity, "forces": each, "known": 1 + vector, "lasting": 2 + vector}
     sizes |= {"states": 4 if in_space else 2}
-    table: Any = table_maker(in_space)(capacity, n_surfaces if any(compliant) else 0, compliant, COMPLIANT)
+    n_surfaces, corners = surfaces if any(compliant) else (0, 0)
+    table: Any = table_maker(in_space)(capacity, n_surfaces, compliant, COMPLIANT, corners=corners)
     return allocate(
         SpatialCompliantContacts if in_space else CompliantContacts,
         sizes | {"laws": len(laws), "ndof": ndof},

@@ -36,6 +36,7 @@ __all__ = [
     "no_spatial_contacts",
 ]
 
+NO_OFFSETS, NO_NUMBERS = frozen([0], np.int64), frozen([], np.int64)  # of what there is nothing of
 N_PLACE = 7  # numbers that place a body as a rigid one, R and p; its modal coordinates come behind them
 N_RIGID = 6  # its velocities, v and omega; the modal ones come behind them
 
@@ -125,6 +126,7 @@ class SpatialContacts(NamedTuple):
     feature_radius: FloatArray  # (features,) of edges and spheres; < 0: touched from inside [m]
     feature_depth: FloatArray  # (features,) how deep below it a node belongs to it [m]; infinite for planes
     feature_neighbour: IntArray  # (features, 3) facets: across the hollow sides opposite a, b, c; of edges; -1: none
+    # of a polygon: its number first
     fan_start: IntArray  # (features + 1,) offsets into the fans
     fan: IntArray  # material points at the other ends of all edges of a vertex
     # boxes about the features of each surface, undeformed, in the order of a search; see compile.spatial.feature_tree
@@ -152,6 +154,20 @@ class SpatialContacts(NamedTuple):
     law_surface: IntArray = frozen([], np.int64, columns=2)
     # (nodes,) least cosine between node_normal and the reversed normal of what it touches, in passes of two sides
     node_facing: FloatArray = frozen([])
+    # faces of convex polyhedra, undeformed, in the frame of their body; see compile.spatial.polygons
+    polygon_start: IntArray = NO_OFFSETS  # (ns + 1,) offsets into the polygons
+    polygon_feature: IntArray = NO_NUMBERS  # (polygons,)
+    polygon_plane: FloatArray = frozen([], columns=4)  # (polygons, 4) outward normal n, and c [m] of n.x = c
+    side_start: IntArray = NO_OFFSETS  # (polygons + 1,) offsets into the sides
+    side_node: IntArray = NO_NUMBERS  # (sides,) node where it begins; counter-clockwise, seen from outside
+    side_edge: IntArray = NO_NUMBERS  # (sides,) feature
+    side_beside: IntArray = NO_NUMBERS  # (sides,) polygon behind it
+    side_across: IntArray = NO_NUMBERS  # (sides,) material point of its polygon that is farthest from it
+    corner_start: IntArray = NO_OFFSETS  # (nodes + 1,) offsets into the next
+    corner_polygon: IntArray = NO_NUMBERS  # polygons about each node
+    ridge_start: IntArray = NO_OFFSETS  # (ns + 1,) offsets into the edges between two polygons
+    ridge_edge: IntArray = NO_NUMBERS  # (ridges,) feature
+    ridge_polygon: IntArray = frozen([], np.int64, columns=2)  # (ridges, 2) beside it
 
 
 def no_spatial_contacts() -> SpatialContacts:

@@ -22,10 +22,12 @@ __all__ = [
     "ALL_FEATURES",
     "CAPSULE",
     "CODES",
+    "CONVEX",
     "CYLINDER",
     "EDGED",
     "EDGES",
     "NO_POINTS",
+    "POLYHEDRON",
     "RANKS",
     "RIMMED",
     "RIM_POINTS",
@@ -73,12 +75,14 @@ TOUCHES = np.array([[b in TOUCHED.get(a, ()) for b in SpatialKind] for a in Spat
 WITH_EDGES = (SpatialKind.CAPSULE, SpatialKind.POLYHEDRON, SpatialKind.MESH)
 EDGED = tuple(kind in WITH_EDGES for kind in SpatialKind)  # by their codes, those that touch each other with edges
 CAPSULE, CYLINDER = CODES[SpatialKind.CAPSULE], CODES[SpatialKind.CYLINDER]
+POLYHEDRON = CODES[SpatialKind.POLYHEDRON]
 ON_CYLINDER = (SpatialKind.CAPSULE, SpatialKind.CYLINDER)
 RIMMED = (SpatialKind.CYLINDER, SpatialKind.RIM)  # those that touch with circles
 RIM_POINTS = 8  # of each rim, on which a cylinder or disc stands
 # what a pass looks at: nodes against all, against all but points; edges; nodes against all. Of the second and the last,
 # the nodes of the other surface and the edges of both are looked at, too: what a node stands for is itself alone
-ALL_FEATURES, NO_POINTS, EDGES, TWO_SIDED = range(4)
+# CONVEX: all of two convex bodies, whichever is the node side
+ALL_FEATURES, NO_POINTS, EDGES, TWO_SIDED, CONVEX = range(5)
 
 
 class Pass(NamedTuple):
@@ -134,10 +138,10 @@ class SpatialSurface:
 
         node_side: the one that was chosen.
         """
-        capsule = (self.kind, other.kind) in (ON_CYLINDER, ON_CYLINDER[::-1])  # its side touches, too, in any case
-        if node_side is not None and not capsule:
-            return (Pass(node_side, 1 - node_side),)
         codes = CODES[self.kind], CODES[other.kind]
+        whole = (self.kind, other.kind) in (ON_CYLINDER, ON_CYLINDER[::-1]) or codes == (POLYHEDRON, POLYHEDRON)
+        if node_side is not None and not whole:  # else edges touch, too, in any case
+            return (Pass(node_side, 1 - node_side),)
         return passes_of(codes, self.deforms or other.deforms, (len(self.points), len(other.points)))
 
 
@@ -149,6 +153,8 @@ def passes_of(kinds: tuple[int, int], deform: bool, points: tuple[int, int]) -> 
     """
     first = 0 if RANKS[kinds[0]] <= RANKS[kinds[1]] else 1
     other = 1 - first
+    if kinds == (POLYHEDRON, POLYHEDRON):
+        return (Pass(0, 1, CONVEX),)
     if not TOUCHES[kinds[first], kinds[other]]:
         return (Pass(other, first),)
     if kinds[first] == CAPSULE and kinds[other] == CYLINDER:

@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.bodies.spatial.surface import CODES, RANKS, Pass
+from lcpflex.bodies.spatial.surface import CODES, RANKS, Pass, SpatialKind
 from lcpflex.compile.spatial.assembly import SpatialAssembly
 from lcpflex.compile.spatial.contact_surfaces import bounds_of, boxes_of, deflections, features_of, nodes_of
 from lcpflex.compile.spatial.feature_tree import FeatureTree, tree_of
 from lcpflex.compile.spatial.features import Feature
 from lcpflex.compile.spatial.mesh_features import node_facings, node_normals
+from lcpflex.compile.spatial.polygons import Polygon, polygons_of
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import frozen
 from lcpflex.model.spatial import SpatialContacts, no_spatial_contacts
@@ -103,12 +104,17 @@ def _parts(surfaces: Sequence[PlacedSurface], assembly: SpatialAssembly) -> dict
     features: list[Feature] = []
     trees: list[FeatureTree] = []
     node_start, feature_start = [0], [0]
+    faces: list[list[Polygon]] = []  # of each surface
     for surface in surfaces:
         indices = [assembly.point(surface.body, point) for point in surface.shape.points]
         own = features_of(surface.shape, indices, len(features))
         place = dict(zip(indices, (point.place for point in surface.shape.points), strict=True))
         trees.append(tree_of(*boxes_of(own, place)))
         features += own
+        faces.append([])
+        if surface.shape.kind is SpatialKind.POLYHEDRON:
+            more, faces[-1] = polygons_of(surface.shape, indices, own, feature_start[-1], sum(map(len, faces)))
+            features += more
         carrying = nodes_of(surface.shape, indices)
         round_ones = surface.shape.radius > 0.0 or not len(surface.shape.triangles)
         own_normals = np.zeros((len(carrying), 3)) if round_ones else node_normals(surface.shape)
@@ -139,7 +145,46 @@ def _parts(surfaces: Sequence[PlacedSurface], assembly: SpatialAssembly) -> dict
         "box_skip": frozen(_shifted([tree.skip for tree in trees], boxes), ints),
         "box_leaf": frozen(_shifted([tree.leaf for tree in trees], feature_start), ints, columns=2),
         "box_feature": frozen(_shifted([tree.order for tree in trees], feature_start), ints),
+        **_polygons(faces, node_start),
     }
+
+
+def _polygons(faces: Sequence[Sequence[Polygon]], node_start: Sequence[int]) -> dict[str, Any]:
+    """The faces of each surface, whose corners are its nodes, in their order."""
+    every = [polygon for own in faces for polygon in own]
+    nodes = [first + corner for own, first in zip(faces, node_start, strict=False) for p in own for corner in p.corners]
+    sides = np.cumsum([0, *(len(polygon.corners) for polygon in every)])
+    of_side = np.repeat(np.arange(len(every)), np.diff(sides))
+    about = np.argsort(np.array(nodes, dtype=np.int64), kind="stable")
+    starts = np.cumsum([0, *(len(own) for own in faces)])
+    beside: list[dict[int, list[int]]] = [{} for _ in faces]
+    for number, own in enumerate(faces):
+        for k, polygon in enumerate(own):
+            for edge in polygon.edges:
+                beside[number].setdefault(edge, []).append(int(starts[number]) + k)
+    ints = np.int64
+    return {
+        "polygon_start": frozen(starts, ints),
+        "polygon_feature": frozen([polygon.feature for polygon in every], ints),
+        "polygon_plane": frozen([polygon.plane for polygon in every], columns=4),
+        "side_start": frozen(sides, ints),
+        "side_node": frozen(nodes, ints),
+        "side_edge": frozen([edge for polygon in every for edge in polygon.edges], ints),
+        "side_beside": frozen(_beside(every, of_side, beside), ints),
+        "side_across": frozen([point for polygon in every for point in polygon.across], ints),
+        "corner_start": frozen(np.searchsorted(np.array(nodes)[about], np.arange(node_start[-1] + 1)), ints),
+        "corner_polygon": frozen(of_side[about], ints),
+        "ridge_start": frozen(np.cumsum([0, *map(len, beside)]), ints),
+        "ridge_edge": frozen([edge for own in beside for edge in own], ints),
+        "ridge_polygon": frozen([pair for own in beside for pair in own.values()], ints, columns=2),
+    }
+
+
+def _beside(polygons: Sequence[Polygon], of_side: IntArray, beside: Sequence[Mapping[int, Sequence[int]]]) -> list[int]:
+    """The polygon on the other side of each side."""
+    pairs = {edge: pair for own in beside for edge, pair in own.items()}
+    edges = [edge for polygon in polygons for edge in polygon.edges]
+    return [sum(pairs[edge]) - own for edge, own in zip(edges, of_side.tolist(), strict=True)]
 
 
 def _shifted(parts: Sequence[IntArray], offsets: Sequence[int] | IntArray) -> IntArray:

@@ -5,11 +5,30 @@ The key is (what touches of surface a, feature of surface b) as one number: node
 
 from __future__ import annotations
 
-from lcpflex.contact.spatial.table import EDGE_EDGE, EDGE_RIM, EDGE_SIDE, RIM_FACET, SpatialContactTable
+import math
+
+from lcpflex.contact.spatial.table import (
+    EDGE_EDGE,
+    EDGE_FACET,
+    EDGE_RIM,
+    EDGE_SIDE,
+    NODE_FACET,
+    RIM_FACET,
+    SpatialContactTable,
+)
 from lcpflex.jit.kernel import kernel
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["load_by_cylinder", "load_edge_by_rim", "load_edge_by_side", "load_edges", "load_node", "load_rim"]
+__all__ = [
+    "load_by_cylinder",
+    "load_crossing",
+    "load_edge_by_rim",
+    "load_edge_by_side",
+    "load_edges",
+    "load_node",
+    "load_rim",
+    "load_vertex",
+]
 
 
 @kernel
@@ -54,6 +73,13 @@ def load_node(model: SpatialModel, table: SpatialContactTable, k: int, law: int,
 
 
 @kernel
+def load_vertex(model: SpatialModel, table: SpatialContactTable, k: int, law: int, node: int, f: int) -> None:
+    """Entry k, of a vertex of a convex polyhedron with a polygon of another: which they are, the manifold has told."""
+    load_node(model, table, k, law, NODE_FACET, node, f)
+    table.facing[k] = -math.inf
+
+
+@kernel
 def load_edges(model: SpatialModel, table: SpatialContactTable, k: int, law: int, e: int, f: int, sense: float) -> None:
     """Entry k, of two edges; sense: of e x f as the normal."""
     c = model.contacts
@@ -64,6 +90,19 @@ def load_edges(model: SpatialModel, table: SpatialContactTable, k: int, law: int
     table.radius[k, 0] = c.feature_radius[e]
     table.radius[k, 1] = c.feature_radius[f]
     table.sense[k] = sense
+
+
+@kernel
+def load_crossing(
+    model: SpatialModel, table: SpatialContactTable, k: int, law: int, e: int, f: int, across: int, sense: float
+) -> None:
+    """Entry k, of two edges that cross over the face of one of them, which has the material point ``across``, too.
+
+    sense: of (line of that edge) x (way to that point) as the normal.
+    """
+    load_edges(model, table, k, law, e, f, sense)
+    table.kind[k] = EDGE_FACET
+    table.point[k, 4] = across
 
 
 @kernel

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-__all__ = ["CAP", "EDGE", "FACET", "PLANE", "POINT", "RIM", "SIDE"]
+__all__ = ["CAP", "EDGE", "FACET", "PLANE", "POINT", "POLYGON", "RIM", "SIDE"]
 
-# POINT: a vertex, or a sphere (radius < 0: a hole). SIDE, CAP: of a cylinder, behind its two rims
-FACET, EDGE, POINT, PLANE, RIM, SIDE, CAP = range(7)
+# POINT: a vertex, or a sphere (radius < 0: a hole). SIDE, CAP: of a cylinder, behind its two rims. POLYGON: a face of a
+# convex polyhedron, whose triangles are FACETs, too; convex bodies touch the former, all others the latter
+FACET, EDGE, POINT, PLANE, RIM, SIDE, CAP, POLYGON = range(8)

@@ -16,6 +16,7 @@ Ericson 2005 (closest features); Pfeiffer & Glocker 1996 (the plane); the equati
 
 from __future__ import annotations
 
+from lcpflex.contact.spatial.narrow_phase.crossing import crossing_turning, refresh_crossing
 from lcpflex.contact.spatial.narrow_phase.cylinder import (
     cylinder_lever,
     cylinder_lever_rate,
@@ -52,6 +53,7 @@ from lcpflex.contact.spatial.narrow_phase.sides import (
 from lcpflex.contact.spatial.narrow_phase.turning import NO_TURN, Turning
 from lcpflex.contact.spatial.table import (
     EDGE_EDGE,
+    EDGE_FACET,
     NODE_EDGE,
     NODE_FACET,
     NODE_POINT,
@@ -104,6 +106,8 @@ def locate(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: in
         refresh_point(points, q, i, j, table, k)
     elif kind == EDGE_EDGE:
         refresh_edges(points, q, i, j, table, k)
+    elif kind == EDGE_FACET:
+        refresh_crossing(points, q, i, j, table, k)
     elif kind == RIM_FACET:
         refresh_rim(points, q, i, j, table, k)
     elif with_edge(table, k):
@@ -133,7 +137,7 @@ def mean_on_j(table: SpatialContactTable, k: int) -> Mean:
     first = 1 if kind in (NODE_FACET, NODE_EDGE) else 2
     a = table.point[k, first]
     b = table.point[k, first + 1]
-    if kind in (NODE_EDGE, EDGE_EDGE):
+    if kind in (NODE_EDGE, EDGE_EDGE, EDGE_FACET):
         s = table.foot[k, 0 if kind == NODE_EDGE else 1]
         return Mean(2, a, b, a, (1.0 - s, s, 0.0))
     x, y = table.foot[k, 0], table.foot[k, 1]
@@ -225,6 +229,8 @@ def turning_of(
         return edge_turning(points, q, u, frames[1], motions[1], table, k, n, t, dv)
     if kind == NODE_POINT:
         return point_turning(frames[1], motions[1], table, k, n, t, dv)
+    if kind == EDGE_FACET:
+        return crossing_turning(points, motions, frames, table, k, n, t, dv)
     if by_cylinder(table, k):
         if with_edge(table, k):
             return edge_by_cylinder_turning(points, q, u, frames, motions, table, k, n, t, dv)

@@ -6,13 +6,14 @@ renewed by :func:`lcpflex.contact.spatial.pairs.refresh`, with the features kept
 
 from __future__ import annotations
 
-from lcpflex.bodies.spatial.surface import EDGES, RIM_POINTS
+from lcpflex.bodies.spatial.surface import CONVEX, EDGES, RIM_POINTS
 from lcpflex.contact.spatial.bounds import plane_vector, set_over_plane
 from lcpflex.contact.spatial.cylinder_edge_pass import edges_on_cylinder
 from lcpflex.contact.spatial.cylinder_pass import nodes_on_cylinder
 from lcpflex.contact.spatial.edge_pass import edges_on_edges
 from lcpflex.contact.spatial.entries import load_node, load_rim
 from lcpflex.contact.spatial.kinds import PLANE, POINT, RIM
+from lcpflex.contact.spatial.manifold.hulls import polyhedra_touch
 from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, rim_axis
 from lcpflex.contact.spatial.narrow_phase.sides import frame_of, place_in, world_place
 from lcpflex.contact.spatial.node_pass import nodes_on_features
@@ -110,6 +111,8 @@ def detect_pass(
 ) -> int:  # fmt: skip
     """Contacts of the nodes, rims or edges of surface a with the features of b, from entry n on; the new count."""
     c = model.contacts
+    if mode == CONVEX:
+        return polyhedra_touch(model, q, margin, table, a, b, law, n)
     if mode == EDGES and c.feature_kind[c.feature_start[b]] == RIM:
         return edges_on_cylinder(model, q, margin, table, a, b, law, n)
     if mode == EDGES:

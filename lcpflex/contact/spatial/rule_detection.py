@@ -7,10 +7,12 @@ import numpy as np
 from lcpflex.bodies.spatial.surface import (
     ALL_FEATURES,
     CAPSULE,
+    CONVEX,
     CYLINDER,
     EDGED,
     EDGES,
     NO_POINTS,
+    POLYHEDRON,
     TOUCHES,
     TWO_SIDED,
 )
@@ -49,6 +51,8 @@ def detect_between(
     kind_a, kind_b = c.surface_kind[a], c.surface_kind[b]
     if not near_surfaces(model, q, table, a, b, margin):
         return n
+    if kind_a == POLYHEDRON and kind_b == POLYHEDRON:
+        return detect_pass(model, q, margin, table, a, b, law, CONVEX, n)
     if not TOUCHES[kind_a, kind_b]:
         return detect_pass(model, q, margin, table, b, a, law, ALL_FEATURES, n)
     if kind_a == CAPSULE and kind_b == CYLINDER:

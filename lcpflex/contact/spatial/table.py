@@ -7,6 +7,7 @@ t2 = n x t1):
 * NODE_EDGE: node P on i, edge a, b of radius R on j (R = 0: sharp, else the side of a capsule or cylinder);
 * NODE_POINT: node P on i, vertex or sphere o of radius R on j (R < 0: touched from inside);
 * EDGE_EDGE: edge a, b on i and edge c, d on j;
+* EDGE_FACET: edge a, b on i and edge c, d on j, which cross over the face of i or j that has the last point, too;
 * RIM_FACET: rim of a disc with centre o and a point on its axis on i, plane through a, b, c on j;
 * NODE_SIDE, NODE_CAP, NODE_RIM: node P on i, cylinder from o along its axis to x on j: its side, the flat of one of its
   ends, or the circle around that;
@@ -29,6 +30,7 @@ from lcpflex.model.arrays import frozen
 
 __all__ = [
     "EDGE_EDGE",
+    "EDGE_FACET",
     "EDGE_RIM",
     "EDGE_SIDE",
     "NODE_CAP",
@@ -57,10 +59,12 @@ PAIRS = (  # what of body i, and what of body j: by the numbers of the kinds
     ("node", "rim"),
     ("edge", "side"),
     ("edge", "rim"),
+    ("edge", "facet"),
 )
-NODE_FACET, NODE_EDGE, NODE_POINT, EDGE_EDGE, RIM_FACET, NODE_SIDE, NODE_CAP, NODE_RIM, EDGE_SIDE, EDGE_RIM = range(
-    len(PAIRS)
-)
+(
+    NODE_FACET, NODE_EDGE, NODE_POINT, EDGE_EDGE, RIM_FACET, NODE_SIDE, NODE_CAP, NODE_RIM, EDGE_SIDE, EDGE_RIM,
+    EDGE_FACET,
+) = range(len(PAIRS))  # fmt: skip
 WITH_EDGE = frozen([of_i == "edge" for of_i, _ in PAIRS], bool)
 BY_CYLINDER = frozen([of_j in ("side", "cap", "rim") for _, of_j in PAIRS], bool)
 
@@ -73,7 +77,8 @@ class SpatialContactTable:
     law: IntArray = array("contacts")  # declared contact
     kind: IntArray = array("contacts")
     node: IntArray = array("contacts")  # material point P, or the first one of i
-    point: IntArray = array("contacts", 5)  # material points: P, or a, b, or o and on the axis; then those of j
+    # material points: P, or a, b, or o and on the axis; then those of j, or of a face over which edges cross
+    point: IntArray = array("contacts", 5)
     # of the node (or edge) of i, of the feature of j, of a rim or cylinder [m]
     radius: FloatArray = array("contacts", 3)
     # of the normal: of spheres sign of R, of two edges that of e x f; of the end of a cylinder +1 at x; else +1
@@ -89,6 +94,8 @@ class SpatialContactTable:
     tangent: FloatArray = array("contacts", 3)  # t1, world axes
     along: IntArray = array("contacts")  # which axis of body j t1 is the projection of; -1: the first edge of j
     bound: FloatArray = array("surfaces", 4)  # work: world centre of each surface, its deflection
+    patch: FloatArray = array(2, "corners", 4)  # work: corners of a patch before and behind a cut, and a number of each
+    trace: IntArray = array(2, "corners", 4)  # work: what made them
     plane: FloatArray = array("surfaces", 15)  # work: of planes n, a point, t1 and the dual edges; world axes
     compliant: IntArray = array("laws")  # as in the plane
     first: IntArray = array("declared")  # first surface of each declared contact, in tables that tell it
@@ -105,14 +112,15 @@ def spatial_contact_table(
     collects: int = ALL,
     pairs: RulePairs | None = None,
     touching: float = math.inf,
+    corners: int = 0,
 ) -> SpatialContactTable:
     """An empty table for ``capacity`` contacts between ``n_surfaces`` surfaces (those of the model it is used with).
 
-    pairs: of the rule of that model, where it has one.
+    pairs: of the rule of that model, where it has one. corners: that a patch of that model has, at most.
     """
     return allocate(
         SpatialContactTable,
-        {"contacts": capacity, "surfaces": n_surfaces},
+        {"contacts": capacity, "surfaces": n_surfaces, "corners": corners},
         compliant=np.array(compliant, np.int64),
         first=np.zeros(0, np.int64),
         owner=np.zeros(0, np.int64),

@@ -8,6 +8,7 @@ from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.contact.spatial.pairs import foot_margin, node_margin, refresh
 from lcpflex.contact.spatial.table import (
     EDGE_EDGE,
+    EDGE_FACET,
     EDGE_RIM,
     EDGE_SIDE,
     NODE_CAP,
@@ -58,7 +59,7 @@ def depth_of_entry(model: SpatialModel, table: SpatialContactTable, k: int) -> f
         return 0.0
     depth, count = model.contacts.feature_depth, len(model.contacts.feature_kind)
     reach = depth[table.key[k] % count]
-    if table.kind[k] == EDGE_EDGE:
+    if table.kind[k] in (EDGE_EDGE, EDGE_FACET):
         if table.radius[k, 0] > 0.0 or table.radius[k, 1] > 0.0:
             return float(table.radius[k, 1])
         return min(reach, depth[table.key[k] // count - len(model.contacts.node_point)])
@@ -73,7 +74,7 @@ def is_wall(table: SpatialContactTable, k: int) -> bool:
 
     The distance of the lines of two edges has a sign, by their sense.
     """
-    return table.kind[k] in (NODE_FACET, NODE_CAP, EDGE_EDGE, EDGE_SIDE) or table.radius[k, 1] < 0.0
+    return table.kind[k] in (NODE_FACET, NODE_CAP, EDGE_EDGE, EDGE_FACET, EDGE_SIDE) or table.radius[k, 1] < 0.0
 
 
 @kernel

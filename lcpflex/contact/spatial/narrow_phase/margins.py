@@ -10,14 +10,22 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.spatial.kinds import EDGE, FACET, PLANE
+from lcpflex.contact.spatial.kinds import EDGE, FACET, PLANE, POLYGON
+from lcpflex.contact.spatial.manifold.clip import beyond_side
 from lcpflex.contact.spatial.narrow_phase.cylinder import cylinder_margin
 from lcpflex.contact.spatial.narrow_phase.cylinder_edges import edge_margin
 from lcpflex.contact.spatial.narrow_phase.edges import END, TILT
 from lcpflex.contact.spatial.narrow_phase.facet import plane_of
 from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, rim_axis
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, line_between, place_in, seen_from, world_place
-from lcpflex.contact.spatial.table import EDGE_EDGE, RIM_FACET, SpatialContactTable, by_cylinder, with_edge
+from lcpflex.contact.spatial.table import (
+    EDGE_EDGE,
+    EDGE_FACET,
+    RIM_FACET,
+    SpatialContactTable,
+    by_cylinder,
+    with_edge,
+)
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector
 from lcpflex.kinematics.spatial.vectors import apart_from, dot, norm, row_vector, scaled, turned, turned_back
@@ -111,6 +119,16 @@ def crossed_within(model: SpatialModel, q: FloatArray, frame: Frame, f: int, s: 
 
 
 @kernel
+def on_line(model: SpatialModel, f: int, s: float) -> float:
+    """How far the foot at s is from the ends of edge f, in extents; the edge of a rigid body."""
+    c = model.contacts
+    e = apart_from(
+        row_vector(model.points.place, c.feature_point[f, 1]), row_vector(model.points.place, c.feature_point[f, 0])
+    )
+    return min(s, 1.0 - s) * norm(e) / c.surface_extent[surface_of(c.feature_start, f)]
+
+
+@kernel
 def margin_on_j(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: SpatialContactTable, k: int) -> float:
     """How far the foot of entry k is inside the feature of body j."""
     c = model.contacts
@@ -120,6 +138,8 @@ def margin_on_j(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: S
     kind = c.feature_kind[f]
     if kind == PLANE:
         return math.inf
+    if table.kind[k] == EDGE_FACET:
+        return on_line(model, f, table.foot[k, 1])
     extent = c.surface_extent[surface_of(c.feature_start, f)]
     if by_cylinder(table, k):
         if with_edge(table, k):
@@ -128,6 +148,8 @@ def margin_on_j(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: S
     if kind == FACET:
         return in_facet(model, q, j, f, table.foot[k, 0], table.foot[k, 1]) / extent
     place = seen_from(j, world_place(i, place_in(model.points, q, i, table.point[k, 0])))
+    if kind == POLYGON:
+        return -beyond_side(model, c.feature_neighbour[f, 0], place) / extent
     if kind == EDGE:
         return on_edge(model, q, j, f, table.foot[k, 0], place) / extent
     return in_fan(model, q, j, f, place) / extent
@@ -139,6 +161,8 @@ def margin_on_i(model: SpatialModel, q: FloatArray, i: Frame, table: SpatialCont
     c = model.contacts
     touching = table.key[k] // len(c.feature_kind)
     n = row_vector(table.normal, k)
+    if table.kind[k] == EDGE_FACET:
+        return on_line(model, touching - len(c.node_point), table.foot[k, 0])
     if with_edge(table, k):
         return crossed_within(model, q, i, touching - len(c.node_point), table.foot[k, 0], scaled(-1.0, n))
     if table.kind[k] == RIM_FACET:
