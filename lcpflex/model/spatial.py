@@ -134,7 +134,7 @@ class SpatialContacts(NamedTuple):
     box: FloatArray  # (boxes, 6) [m]
     box_skip: IntArray  # (boxes,) where the search goes on behind a box that is missed
     box_leaf: IntArray  # (boxes, 2) range of box_feature
-    box_feature: IntArray  # (features,)
+    box_feature: IntArray  # (features but polygons,)
     # passes: nodes of one surface, or its rims or edges, against features of another
     pass_mode: IntArray  # (passes,) see bodies.spatial.surface.Pass
     pass_node: IntArray  # (passes,) surface

@@ -124,6 +124,7 @@ def _parts(surfaces: Sequence[PlacedSurface], assembly: SpatialAssembly) -> dict
         node_start.append(len(nodes))
         feature_start.append(len(features))
     boxes = np.cumsum([0, *(len(tree.skip) for tree in trees)])
+    listed = np.cumsum([0, *(len(tree.order) for tree in trees)])  # polygons are in no box
     ints = np.int64
     fans = [f.fan for f in features]
     return {
@@ -143,7 +144,7 @@ def _parts(surfaces: Sequence[PlacedSurface], assembly: SpatialAssembly) -> dict
         "box_start": frozen(boxes, ints),
         "box": frozen(np.concatenate([tree.box for tree in trees]), columns=6),
         "box_skip": frozen(_shifted([tree.skip for tree in trees], boxes), ints),
-        "box_leaf": frozen(_shifted([tree.leaf for tree in trees], feature_start), ints, columns=2),
+        "box_leaf": frozen(_shifted([tree.leaf for tree in trees], listed), ints, columns=2),
         "box_feature": frozen(_shifted([tree.order for tree in trees], feature_start), ints),
         **_polygons(faces, node_start),
     }

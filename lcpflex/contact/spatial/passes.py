@@ -6,25 +6,26 @@ renewed by :func:`lcpflex.contact.spatial.pairs.refresh`, with the features kept
 
 from __future__ import annotations
 
-from lcpflex.bodies.spatial.surface import CONVEX, EDGES, RIM_POINTS
+from lcpflex.bodies.spatial.surface import CONVEX, EDGES, RIM_POINTS, TWO_SIDED
 from lcpflex.contact.spatial.bounds import plane_vector, set_over_plane
 from lcpflex.contact.spatial.cylinder_edge_pass import edges_on_cylinder
 from lcpflex.contact.spatial.cylinder_pass import nodes_on_cylinder
 from lcpflex.contact.spatial.edge_pass import edges_on_edges
 from lcpflex.contact.spatial.entries import load_node, load_rim
 from lcpflex.contact.spatial.kinds import PLANE, POINT, RIM
-from lcpflex.contact.spatial.manifold.hulls import polyhedra_touch
+from lcpflex.contact.spatial.manifold.hulls import APART, polyhedra_touch
 from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, rim_axis
 from lcpflex.contact.spatial.narrow_phase.sides import frame_of, place_in, world_place
 from lcpflex.contact.spatial.node_pass import nodes_on_features
 from lcpflex.contact.spatial.pairs import locate
 from lcpflex.contact.spatial.table import NODE_FACET, NODE_POINT, SpatialContactTable
+from lcpflex.contact.spatial.twice import drop_twice
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.points import point_place
 from lcpflex.kinematics.spatial.vectors import apart_from, dot, norm
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["detect_pass"]
+__all__ = ["detect_pass", "nearest_features"]
 
 STANDING = 1e-2  # up to which fixed points of its rim join the lowest one
 
@@ -105,6 +106,21 @@ def rims_on_plane(
 
 
 @kernel
+def nearest_features(
+    model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, mode: int,
+    n: int,
+) -> int:  # fmt: skip
+    """Contacts of the nodes of both surfaces with the other one, those of b in this ``mode``, and of their edges."""
+    before = n
+    n = nodes_on_features(model, q, margin, table, a, b, law, TWO_SIDED, n)
+    start = n
+    n = nodes_on_features(model, q, margin, table, b, a, law, mode, n)
+    if start < n <= len(table.key):
+        n = drop_twice(model, q, table, b, a, before, start, n)
+    return edges_on_edges(model, q, margin, table, a, b, law, n)
+
+
+@kernel
 def detect_pass(
     model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, mode: int,
     n: int,
@@ -112,7 +128,8 @@ def detect_pass(
     """Contacts of the nodes, rims or edges of surface a with the features of b, from entry n on; the new count."""
     c = model.contacts
     if mode == CONVEX:
-        return polyhedra_touch(model, q, margin, table, a, b, law, n)
+        count = polyhedra_touch(model, q, margin, table, a, b, law, n)
+        return nearest_features(model, q, margin, table, a, b, law, TWO_SIDED, n) if count == APART else count
     if mode == EDGES and c.feature_kind[c.feature_start[b]] == RIM:
         return edges_on_cylinder(model, q, margin, table, a, b, law, n)
     if mode == EDGES:

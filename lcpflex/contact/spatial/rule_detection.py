@@ -19,9 +19,8 @@ from lcpflex.bodies.spatial.surface import (
 from lcpflex.contact.rule_pairs import MORE_LAWS, is_barred, law_of_pair, new_law
 from lcpflex.contact.spatial.bounds import near_surfaces
 from lcpflex.contact.spatial.broad_phase import may_meet, near_pairs
-from lcpflex.contact.spatial.passes import detect_pass
+from lcpflex.contact.spatial.passes import detect_pass, nearest_features
 from lcpflex.contact.spatial.table import SpatialContactTable
-from lcpflex.contact.spatial.twice import drop_twice
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.spatial import SpatialModel
 
@@ -65,13 +64,8 @@ def detect_between(
         if nodes_a >= nodes_b:
             return detect_pass(model, q, margin, table, a, b, law, ALL_FEATURES, n)
         return detect_pass(model, q, margin, table, b, a, law, ALL_FEATURES, n)
-    before = n
-    n = detect_pass(model, q, margin, table, a, b, law, TWO_SIDED, n)
-    start = n
-    n = detect_pass(model, q, margin, table, b, a, law, NO_POINTS if kind_a == CAPSULE else TWO_SIDED, n)
-    if start < n <= len(table.key):
-        n = drop_twice(model, q, table, b, a, before, start, n)
-    return detect_pass(model, q, margin, table, a, b, law, EDGES, n)
+    mode = NO_POINTS if kind_a == CAPSULE else TWO_SIDED
+    return nearest_features(model, q, margin, table, a, b, law, mode, n)
 
 
 @kernel

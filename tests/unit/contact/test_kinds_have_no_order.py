@@ -13,7 +13,17 @@ import pytest
 import lcpflex
 from lcpflex.bodies.surface import NO_NODE, RANK, Kind, Surface, can_touch
 from lcpflex.contact.rule_pairs import TOUCHES
-from lcpflex.contact.spatial.table import BY_CYLINDER, EDGE_EDGE, EDGE_RIM, EDGE_SIDE, NODE_SIDE, PAIRS, WITH_EDGE
+from lcpflex.contact.spatial.table import (
+    BY_CYLINDER,
+    EDGE_EDGE,
+    EDGE_FACET,
+    EDGE_RIM,
+    EDGE_SIDE,
+    NODE_CAP,
+    NODE_RIM,
+    NODE_SIDE,
+    WITH_EDGE,
+)
 
 ROOT = Path(lcpflex.__file__).parent  # of solvers, the units of large problems come in an order: contacts, joint rows
 ORDERS = ast.Lt, ast.LtE, ast.Gt, ast.GtE
@@ -72,8 +82,8 @@ def test_comparisons_are_seen(text: str) -> None:
 
 
 def test_columns_of_pairs_in_space() -> None:
-    assert np.flatnonzero(WITH_EDGE).tolist() == [EDGE_EDGE, EDGE_SIDE, EDGE_RIM]
-    assert np.flatnonzero(BY_CYLINDER).tolist() == list(range(NODE_SIDE, len(PAIRS)))
+    assert np.flatnonzero(WITH_EDGE).tolist() == [EDGE_EDGE, EDGE_SIDE, EDGE_RIM, EDGE_FACET]
+    assert np.flatnonzero(BY_CYLINDER).tolist() == [NODE_SIDE, NODE_CAP, NODE_RIM, EDGE_SIDE, EDGE_RIM]
 
 
 def test_what_touches_by_rank_touches_by_kind() -> None:

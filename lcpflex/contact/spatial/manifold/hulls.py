@@ -27,7 +27,9 @@ from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, row_vector, scaled, turned, turned_back
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["polyhedra_touch"]
+__all__ = ["APART", "polyhedra_touch"]
+
+APART = -1  # instead of a count: no face and no two edges are nearest to each other, nothing touches
 
 # of the size, the smaller body's diagonal
 THIN = 1e-9  # corners that are so near each other are one, and sides so thick: stands for rounding
@@ -221,7 +223,11 @@ def lay_patch(
 def polyhedra_touch(
     model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, n: int
 ) -> int:
-    """Contacts of two convex polyhedra with gaps up to ``margin``, from entry n on; the new count."""
+    """Contacts of two convex polyhedra with gaps up to ``margin``, from entry n on; the new count, or APART.
+
+    Of bodies that are apart the patch of two faces tells the distance where these are nearly parallel; else vertices
+    and edges may be nearer.
+    """
     c = model.contacts
     pose = seen(frame_of(model.bodies, q, c.surface_body[a]), frame_of(model.bodies, q, c.surface_body[b]))
     over_b = widest_face(model, b, a, pose, margin)
@@ -238,11 +244,12 @@ def polyhedra_touch(
     g, cosine = incident_face(model, axis.node, turned_back(there.A, normal))
     patch = Patch(law, axis.polygon, g, there, second, normal, THIN * size, size)
     beside = beyond_side(model, axis.polygon, seen_there(model, patch, axis.node)) > THIN * size
-    if beside and cosine < 1.0 - 0.5 * TILT * TILT:
+    apart, parallel = axis.separation > SHALLOW * size, cosine >= 1.0 - 0.5 * TILT * TILT
+    if apart and not parallel:
+        return APART
+    if beside and not parallel:
         found = ridges(model, a, b, pose)
         if found.separation > axis.separation + WORSE * abs(axis.separation) + SHALLOW * size:
-            if found.separation > margin:
-                return n
             if n < len(table.key):
                 _, e = ends_of(model, found.first)
                 _, f = ends_of(model, found.second)
@@ -250,4 +257,5 @@ def polyhedra_touch(
                 load_edges(model, table, n, law, found.first, found.second, sense)
                 locate(model, q, table, n)
             return n + 1
-    return lay_patch(model, q, margin, table, patch, n)
+    count = lay_patch(model, q, margin, table, patch, n)
+    return APART if count == n and apart else count
