@@ -10,9 +10,20 @@ import numpy as np
 
 from lcpflex.contact.rule_pairs import RulePairs, no_pairs
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import allocate, array, struct
 
-__all__ = ["ALL", "COMPLIANT", "RIGID", "ContactTable", "contact_table", "entry_of", "most_corners", "table_maker"]
+__all__ = [
+    "ALL",
+    "COMPLIANT",
+    "RIGID",
+    "ContactTable",
+    "contact_table",
+    "entry_of",
+    "most_corners",
+    "table_maker",
+    "weight_of",
+]
 
 RIGID, COMPLIANT, ALL = range(3)  # contacts that a table collects: rigid ones, compliant ones, all
 
@@ -97,3 +108,10 @@ def entry_of(keys: IntArray, n: int, key: int, start: int) -> int:
         if keys[k] == key:
             return k
     return -1
+
+
+@in_space("lcpflex.contact.spatial.table")
+@kernel
+def weight_of(table: ContactTable, k: int) -> float:
+    """Share of entry k in what its law does: 1 but for corners of patches in space, which come and go."""
+    return 1.0

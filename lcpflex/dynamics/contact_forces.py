@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from lcpflex.contact.concave_corners import yield_to_deeper
 from lcpflex.contact.detection import ContactTable, detect
+from lcpflex.contact.table import weight_of
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.mechanics import fill_contact_rows
@@ -141,11 +142,12 @@ def normal_forces(model: Model, q: FloatArray, u: FloatArray, contacts: Complian
         depth = -table.gap[k]
         if depth > 0.0:
             force, elastic = pair_force(history, table.law[k], pair_place(model, history, table, k), depth, -rate)
+        weight = weight_of(table, k)
         contacts.rate[k] = rate
-        contacts.p[k, 0] = force
+        contacts.p[k, 0] = weight * force
         for c in range(1, contacts.p.shape[1]):
             contacts.p[k, c] = 0.0
-        contacts.elastic[k] = elastic
+        contacts.elastic[k] = weight * elastic
         contacts.sticks[k] = 0
 
 
@@ -271,7 +273,7 @@ def energy_of_pairs(model: Model, contacts: CompliantContacts) -> float:
         depth = -table.gap[k]
         if depth > 0.0:
             place = pair_place(model, contacts.history, table, k)
-            total += pair_energy(contacts.history, table.law[k], place, depth)
+            total += weight_of(table, k) * pair_energy(contacts.history, table.law[k], place, depth)
     return total
 
 

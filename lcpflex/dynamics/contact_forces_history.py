@@ -13,6 +13,7 @@ import math
 
 from lcpflex.contact.concave_corners import yield_to_deeper
 from lcpflex.contact.detection import ContactTable
+from lcpflex.contact.table import weight_of
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.contact_forces import fill_rows, find_contacts, mobility, pair_force, pair_place, pair_stiffness
 from lcpflex.dynamics.delassus import row_velocity
@@ -149,7 +150,7 @@ def note_stiffness(model: Model, contacts: CompliantContacts) -> None:
         if not depth > 0.0:
             continue
         law, rate = contacts.table.law[k], abs(contacts.rate[k])
-        inverse = mobility(contacts, contacts.n_joint + k)
+        inverse = weight_of(contacts.table, k) * mobility(contacts, contacts.n_joint + k)
         place = pair_place(model, contacts.history, contacts.table, k)
         stiffness = pair_stiffness(contacts.history, law, place, depth) * inverse
         damping = 0.0

@@ -31,6 +31,7 @@ def cone_hooks(system: Mechanics) -> Hooks:
         for k, law in enumerate(near[: len(table.key)]):
             table.key[k] = table.law[k] = law
             table.gap[k] = gaps[law]
+            table.weight[k] = 1.0
             table.body[k] = (0, -1)
             table.normal[k] = (0.0, 0.0, 1.0)
             table.tangent[k] = (1.0, 0.0, 0.0)

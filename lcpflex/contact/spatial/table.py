@@ -46,6 +46,7 @@ __all__ = [
     "with_edge",
     "side_of",
     "spatial_contact_table",
+    "weight_of",
 ]
 
 PAIRS = (  # what of body i, and what of body j: by the numbers of the kinds
@@ -178,3 +179,9 @@ def side_of(told: Any, law: int, i: int) -> float:
     elif law < len(told.pairs.pair):
         surface = told.pairs.pair[law, 0]
     return 1.0 if surface < 0 or told.owner[surface] == i else -1.0
+
+
+@kernel
+def weight_of(table: SpatialContactTable, k: int) -> float:
+    """Share of entry k in what its law does: those of the corners of a patch make 4, as of a box on a plane."""
+    return table.weight[k]

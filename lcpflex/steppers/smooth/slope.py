@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 
+from lcpflex.contact.table import weight_of
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.contact_forces import (
     add_force,
@@ -127,7 +128,7 @@ def natural_frequency(model: Model, work: Workspace, memory: SmoothMemory) -> fl
         if depth > 0.0:
             place = pair_place(model, contacts.history, contacts.table, k)
             stiffness = pair_stiffness(contacts.history, contacts.table.law[k], place, depth)
-            highest = max(highest, stiffness * mobility(contacts, n_joint + k))
+            highest = max(highest, weight_of(contacts.table, k) * stiffness * mobility(contacts, n_joint + k))
     return math.sqrt(highest)
 
 

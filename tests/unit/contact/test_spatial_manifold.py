@@ -242,3 +242,15 @@ def test_units_do_not_matter(unit: float) -> None:
         assert (n, table.key[:n].tolist()) == (known[0], known[1].tolist())
         np.testing.assert_allclose(table.weight[:n], known[2], atol=1e-6)
         assert abs(table.gap[:n]).max() < 1e-14 * scale * np.linalg.norm(far)
+
+
+def test_a_force_law_is_as_stiff_whatever_corners_there_are() -> None:
+    """A box on an equal one sinks by m g / 4 k, turned or not: corners come and go."""
+    for yaw in (0.0, 1e-8, 1e-6, 1e-3, 0.3):
+        scene = lf.SpatialScene(gravity=(0.0, 0.0, -9.81))
+        low = scene.add(BRICK, position=(0.0, 0.0, 0.03))
+        scene.join(lf.Weld(low.at(0.0, 0.0, 0.0), scene.ground.at(0.0, 0.0, 0.03)))
+        top = scene.add(BRICK, position=(0.0, 0.0, 0.09), orientation=Rotation.from_euler("z", yaw))
+        scene.contact(top.surface(), low.surface(), law=lf.Penalty(stiffness=1e4, damping=50.0))
+        result = lf.simulate(scene, 0.3, lf.MoreauJean(step=1e-3), progress=False)
+        assert abs(0.09 - result.q[-1, 9] - 9.81 / 4e4) < 1e-9
