@@ -10,7 +10,7 @@ from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["Hull", "convex_hull"]
+__all__ = ["Hull", "block", "convex_hull"]
 
 FLAT = 1e-12  # volume relative to the cube of the size, below which there is none
 
@@ -24,6 +24,13 @@ class Hull(NamedTuple):
     centre: FloatArray  # (3,) in the frame of the points
     volume: float
     second: FloatArray  # (3, 3) integral of x x^T dV about the centre
+
+
+def block() -> tuple[FloatArray, IntArray]:
+    """Corners (8, 3) of a block about the origin with edges of 1 m along the axes, and its triangles (12, 3)."""
+    corners = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)]) - 0.5
+    quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+    return corners, np.array([t for p, q, r, s in quads for t in ((p, q, r), (p, r, s))], dtype=np.int64)
 
 
 def convex_hull(points: FloatArray) -> Hull:

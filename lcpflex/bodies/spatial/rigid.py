@@ -16,7 +16,7 @@ import numpy.typing as npt
 from lcpflex.basics.arguments import array_of, mapping_of, numbers, positive
 from lcpflex.bodies.spatial.body import SpatialBody, rigid_point
 from lcpflex.bodies.spatial.checks import axes_of, even
-from lcpflex.bodies.spatial.hull import convex_hull
+from lcpflex.bodies.spatial.hull import block, convex_hull
 from lcpflex.bodies.spatial.shapes import CapsuleShape, CylinderShape, Shape, SphereShape, SurfaceShape
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
@@ -104,12 +104,11 @@ def Cuboid(a: float, b: float, c: float, density: float | None = None, mass: flo
     for axis, names in enumerate(sides):
         for sign, name in zip((-0.5, 0.5), names, strict=True):
             places[name] = sign * edges * (np.arange(3) == axis)
-    corners = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
-    vertices = (corners - 0.5) * edges
+    corners, triangles = block()
+    vertices = corners * edges
     for corner, place in zip(corners, vertices, strict=True):
-        places["_".join(names[side] for names, side in zip(sides, corner, strict=True))] = place
-    quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
-    triangles = np.array([t for p, q, r, s in quads for t in ((p, q, r), (p, r, s))], dtype=np.int64)
+        called = (names[int(half > 0.0)] for names, half in zip(sides, corner, strict=True))
+        places["_".join(called)] = place
     return _rigid(m, m / 12.0 * np.diag(edges**2), places, _surface(vertices, triangles))
 
 

@@ -40,6 +40,7 @@ __all__ = [
     "cylinder",
     "passes_of",
     "plane",
+    "polyhedron",
     "rim",
     "surface_of",
 ]
@@ -219,6 +220,11 @@ def plane(point: SpatialPoint, normal: FloatArray) -> SpatialSurface:
     """Everything behind the plane through ``point``; ``normal`` (3,), not zero, points out of the solid."""
     _, first, second = _frame(normal)
     return SpatialSurface(SpatialKind.PLANE, (point, carried(point, first), carried(point, second)))
+
+
+def polyhedron(points: tuple[SpatialPoint, ...], triangles: IntArray) -> SpatialSurface:
+    """A convex polyhedron of vertices that do not move in their body; ``triangles`` (T, 3) counter-clockwise."""
+    return SpatialSurface(SpatialKind.POLYHEDRON, points, triangles=triangles)
 
 
 def _frame(normal: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

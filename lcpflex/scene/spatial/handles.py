@@ -15,13 +15,15 @@ import numpy.typing as npt
 from lcpflex.basics.arguments import absent, array_of, positive
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.bodies.spatial import surface as surfaces
-from lcpflex.bodies.spatial.body import SpatialPoint
+from lcpflex.bodies.spatial.body import SpatialPoint, rigid_point
 from lcpflex.bodies.spatial.closed_surface import check_closed
+from lcpflex.bodies.spatial.hull import block, convex_hull
 from lcpflex.bodies.spatial.shapes import SurfaceShape
-from lcpflex.bodies.spatial.surface import SpatialKind, SpatialSurface
+from lcpflex.bodies.spatial.surface import SpatialKind, SpatialSurface, carried
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.scene.placed_body import PlacedBody
 from lcpflex.scene.placed_surface import PlacedSurface
+from lcpflex.scene.spatial.orientation import matrix_of
 
 if TYPE_CHECKING:
     from lcpflex.bodies.spatial.body import SpatialBody
@@ -86,7 +88,7 @@ class SpatialPlaced(PlacedBody):
             held = "the ground" if self.source is None else f"{shown(self.name)} with the shape {self._shape_name()}"
             raise ModelError(
                 f"surface: {held} has none that can be touched, expected a Sphere, Cuboid, Capsule, ConvexHull or "
-                "mesh; make one with sphere, capsule, cylinder, rim, node, hole or plane"
+                "mesh; make one with sphere, capsule, cylinder, box, hull, rim, node, hole or plane"
             )
         if len(shape.triangles):
             check_closed(f"surface of {shown(self.name)}", np.array([p.place for p in shape.points]), shape.triangles)
@@ -120,6 +122,33 @@ class SpatialPlaced(PlacedBody):
             raise ModelError("center: a cylinder turns with its centre, expected a point whose rotation is known")
         made = surfaces.cylinder(place, direction, positive("radius", radius), positive("length", length))
         return self._made("cylinder", made, partial(_again, "cylinder", center, (direction, radius, length)))
+
+    def box(self, center: Place, sizes: npt.ArrayLike, orientation: Any = None) -> PlacedSurface:
+        """A solid block with edges of ``sizes`` (3,) > 0 [m] along its axes x, y, z, its middle at ``center``.
+
+        ``orientation``: its axes in those of the body or the ground: a scipy Rotation, a 3 x 3 matrix whose columns
+        they are, or None for the same ones. Not on flexible bodies.
+        """
+        self._check_rigid("box")
+        given = array_of("sizes", sizes, (3,)).tolist()
+        edges = np.array([positive(f"sizes[{k}]", size) for k, size in enumerate(given)])
+        turn = matrix_of("orientation", orientation)
+        place = self._located(center, "center")
+        corners, triangles = block()
+        made = surfaces.polyhedron(tuple(carried(place, turn @ (corner * edges)) for corner in corners), triangles)
+        return self._made("box", made, partial(_again, "box", center, (edges, turn)))
+
+    def hull(self, points: npt.ArrayLike) -> PlacedSurface:
+        """The solid convex hull of ``points`` (k, 3), k >= 4 [m]; those inside of it do not matter.
+
+        Not on flexible bodies.
+        """
+        self._check_rigid("hull")
+        given = array_of("points", points, (-1, 3))
+        found = convex_hull(given)
+        check_closed("points", found.vertices, found.triangles)
+        corners = tuple(rigid_point(*given[k].tolist()) for k in found.corners)
+        return self._made("hull", surfaces.polyhedron(corners, found.triangles), partial(_again, "hull", given, ()))
 
     def rim(self, center: Place, axis: npt.ArrayLike, radius: float) -> PlacedSurface:
         """The rim of a disc: a circle of ``radius`` > 0 [m] about ``axis`` (3,) through ``center``. It touches planes.
@@ -160,6 +189,14 @@ class SpatialPlaced(PlacedBody):
         surface = PlacedSurface(self.scene, self.body, self.scene.label(f"{self.name}.{kind}"), shape, again)
         self.scene.keep(surface)
         return surface
+
+    def _check_rigid(self, kind: str) -> None:
+        """Raise ModelError for a body whose points move apart: faces of a solid would not stay plane."""
+        if self.source is not None and self.source.modes:
+            raise ModelError(
+                f"{kind}: {shown(self.name)} is flexible ({self.source.modes} modes), expected a rigid body or the "
+                "ground: on it put sphere, capsule or cylinder, or take the surface of its mesh"
+            )
 
     def _shape_name(self) -> str:
         shape = None if self.source is None else self.source.shape

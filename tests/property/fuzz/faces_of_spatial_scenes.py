@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
+import numpy as np
+
 import lcpflex as lf
 from tests.property.fuzz.face import Face
 
@@ -102,6 +104,8 @@ def spatial_parts_faces() -> list[Face]:
             placed().cylinder,
             lambda: {"center": (0.0, 0.0, 0.0), "axis": axis, "radius": 0.1, "length": 0.2},
         ),
+        Face("SpatialPlaced.box", placed().box, lambda: {"center": (0.0, 0.0, 0.0), "sizes": (0.1, 0.2, 0.3)}),
+        Face("SpatialPlaced.hull", placed().hull, lambda: {"points": np.vstack([np.zeros(3), np.eye(3)])}),
         Face("SpatialPlaced.node", placed().node, lambda: {"point": (0.0, 0.0, 0.0)}),
         told("momentum", body="ball"),
         told("orientation", body="ball"),
