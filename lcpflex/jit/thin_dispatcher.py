@@ -82,6 +82,7 @@ def _python_face(result: Any) -> ThinLibrary:
     for key in keys:
         if loading.bring_in(key, read_anywhere) is not None:
             return library
+    context.refresh()  # boxing needs what a kernel that is kept was loaded without
     with context.push_code_library(library):  # what boxes a constant takes code in
         context.create_cpython_wrapper(library, descriptor, result.environment, None, release_gil=True)
     library.add_linking_library(kernel)

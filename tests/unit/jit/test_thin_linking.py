@@ -31,6 +31,23 @@ def calls(n):
 """
 
 
+PAIRS = """
+import math
+from lcpflex.jit.kernel import kernel
+
+@kernel
+def farther(pair):
+    total = 0.0
+    for i in range(7):
+        total += math.exp(math.sin(pair[0] * i)) / (pair[1] + i)
+    return total
+
+@kernel
+def calls(x):
+    return farther((x, 1.0))
+"""
+
+
 class Filled:
     """The sources, a folder with their kernels, and what they give."""
 
@@ -92,6 +109,21 @@ def test_a_literal_is_a_number_like_any_other(filled: Filled, tmp_path: Path) ->
     )
     assert [sorted(run["compiled"]) for run in runs] == 2 * [["calls", "share"]]
     assert runs[0]["value"] == runs[1]["value"] == (1.0 + 2.0 + 3.0 + 1.0).hex()
+
+
+def test_what_python_packs_is_taken_apart_where_nothing_else_is_compiled(filled: Filled, tmp_path: Path) -> None:
+    """A kernel that only another one called so far is kept; Python's call of it, with a tuple, is made now."""
+    path = filled.sources / "tiny_pairs.py"
+    path.write_text(PAIRS)
+    os.utime(path, (1e9, 1e9))
+    before = "from lcpflex.tiny_pairs import calls, farther\n"
+    runs, _ = jobs(
+        filled.sources,
+        case(tmp_path / "one", before=before, value="calls(0.5)"),
+        case(tmp_path / "one", before=before, value="farther((0.5, 1.0))"),
+    )
+    assert [sorted(run["compiled"]) for run in runs] == [["calls", "farther"], []]
+    assert runs[0]["value"] == runs[1]["value"]
 
 
 def test_a_filled_folder_is_enough(filled: Filled, tmp_path: Path) -> None:
