@@ -85,6 +85,11 @@ class Surface:
         """See :func:`can_be_node_side`."""
         return can_be_node_side(self, other)
 
+    def can_meet(self, other: Surface) -> bool:
+        """Whether such surfaces can come to each other from apart: points cannot, nor solids that fill all around."""
+        kinds = {self.kind, other.kind}
+        return kinds != {Kind.NODE} and not kinds <= {Kind.HOLE, Kind.HALF_PLANE}
+
     def partners(self) -> str:
         """What contacts need, in words."""
         return "a node, disc or chain on one side"

@@ -29,6 +29,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Model, frozen
 from lcpflex.scene.contact_rules import by_rules
 from lcpflex.scene.declared import Parts
+from lcpflex.scene.left_out import pairs_left_out
 
 if TYPE_CHECKING:
     from lcpflex.scene.scene import Scene
@@ -49,7 +50,7 @@ def compiled_scene(
     parts = reduced.parts()
     materials = Materials(parts.placed, [body.modes for body in parts.bodies])
     compiled = compiled_parts(reduced.gravity, parts, materials, project, indents, listed)
-    return replace(compiled, notes=tuple(f"residual modes for {text}" for text in said))
+    return replace(compiled, notes=(*compiled.notes, *(f"residual modes for {text}" for text in said)))
 
 
 def compiled_parts(
@@ -74,7 +75,8 @@ def compiled_parts(
         for name, point in body.points.items()
     }
     outlines, circles = drawn_shapes(placed, surfaces, assembly)
-    by_rule, rule = by_rules(placed, surfaces, contacts, rules, tuple(joints.values()), listed)
+    by_rule, rule, touchable = by_rules(placed, surfaces, contacts, rules, tuple(joints.values()), listed)
+    left_out = pairs_left_out(placed, touchable, contacts, rules, tuple(joints.values()), loads, bool(gravity.any()))
     declared = {**contacts, **by_rule}
     arrays = (
         compile_joints(joints, assembly, project),
@@ -120,7 +122,8 @@ def compiled_parts(
         laws,
         assembly.signals.functions,
         materials,
-        missing_compliance(parts, touched),
+        (*left_out.warnings, *missing_compliance(parts, touched)),
+        left_out.notes,
         recovery=tuple(body.recovery for body in parts.bodies),
         sensors=tuple(compiled_sensor(name, sensor) for name, sensor in sensors.items()),
     )

@@ -65,8 +65,8 @@ class CompiledScene:
     laws: tuple[Law | None, ...] = ()  # of the declared contacts; None: by complementarity
     functions: tuple[CompiledFunction, ...] = field(default=(), repr=False)  # called by address while they live
     materials: Materials | None = field(default=None, repr=False)  # of points of a scene that was reduced for this
-    warnings: tuple[str, ...] = ()  # bodies that give way too little where they are held, loaded or touched
-    notes: tuple[str, ...] = ()  # which nodes of surfaces have residual modes
+    warnings: tuple[str, ...] = ()  # pairs that a rule leaves out, bodies that give way too little where they are held
+    notes: tuple[str, ...] = ()  # which nodes of surfaces have residual modes, which bodies have no surface
     recovery: tuple[Shapes | None, ...] = field(default=(), repr=False)  # of each body, what stresses come from
     laws_are_lost: bool = False  # whether contacts have force laws that are not here any more, as in a file
     sensors: tuple[Sensor, ...] = field(default=(), repr=False)

@@ -26,7 +26,7 @@ def reduced_scene(scene: Scene, gives_way: bool = False, listed: bool = False) -
     if not any(placed.order for placed in parts.placed):
         return scene, ()
     everything = (parts.placed, parts.surfaces, parts.contacts, parts.rules, tuple(parts.joints.values()))
-    by_rule, rule = by_rules(*everything, listed)
+    by_rule, rule, _ = by_rules(*everything, listed)
     contacts = {**parts.contacts, **by_rule}
     if rule is not None:
         contacts |= rule.first_contacts({placed.body for placed in parts.placed if placed.order})

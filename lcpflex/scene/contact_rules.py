@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.force_laws.law import Law
@@ -13,7 +13,7 @@ from lcpflex.scene.declared import ContactRule, DeclaredContact
 from lcpflex.scene.placed_body import PlacedBody
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
 
-__all__ = ["KeptRule", "by_rules", "contact_between", "rule_of"]
+__all__ = ["ByRules", "KeptRule", "Pairs", "by_rules", "contact_between", "excluded_pairs", "pairs_apart", "rule_of"]
 
 LISTED = (
     32  # surfaces up to which the pairs of a rule are listed: to look at each costs less than to look for near ones
@@ -44,6 +44,14 @@ class KeptRule:
         return found
 
 
+class ByRules(NamedTuple):
+    """What rules make of a scene."""
+
+    contacts: dict[str, DeclaredContact]  # by name
+    kept: KeptRule | None  # the first rule, where its pairs are not listed
+    surfaces: tuple[PlacedSurface, ...]  # that rules are for; none without rules
+
+
 def by_rules(
     placed: Sequence[Any],
     surfaces: Sequence[PlacedSurface],
@@ -51,21 +59,21 @@ def by_rules(
     rules: Sequence[ContactRule],
     joints: Sequence[Any],
     listed: bool = True,
-) -> tuple[dict[str, DeclaredContact], KeptRule | None]:
+) -> ByRules:
     """The contacts that "everything against everything" adds, by name; an earlier rule has precedence.
 
     Where they are many, and not to be ``listed``, the first rule is not: its contacts are those between all surfaces
     but for some pairs. Contacts by a force law remember what they went through, each one for itself: they are listed.
     """
     if not rules:
-        return {}, None
+        return ByRules({}, None, ())
     outlines = [p.surface() for p in placed if p.has_outline]
     candidates = (*outlines, *surfaces)
     kept = rules[0].law is None and len(candidates) > LISTED and not listed
-    taken = _apart(candidates, declared, joints)
+    taken = pairs_apart(candidates, declared, joints)
     first: KeptRule | None = None
     if kept:
-        excluded = _excluded_pairs(rules[0], candidates)
+        excluded = excluded_pairs(rules[0], candidates)
         first = KeptRule(rules[0], candidates, tuple(sorted(taken | excluded)))
         pairs: Iterable[tuple[int, int]] = sorted(excluded)
         rules = rules[1:]
@@ -73,14 +81,14 @@ def by_rules(
         pairs = [(i, j) for i in range(len(candidates)) for j in range(i + 1, len(candidates))] if rules else []
     found = {}
     for rule in rules:
-        left_out = _excluded_pairs(rule, candidates)
+        left_out = excluded_pairs(rule, candidates)
         for pair in pairs:
             a, b = (candidates[k] for k in pair)
             if a.body != b.body and pair not in taken and a.shape.can_touch(b.shape) and pair not in left_out:
                 taken.add(pair)
                 name, contact = _by_rule(rule, a, b)
                 found[name] = contact
-    return found, first
+    return ByRules(found, first, candidates)
 
 
 def _by_rule(rule: ContactRule, a: PlacedSurface, b: PlacedSurface) -> tuple[str, DeclaredContact]:
@@ -96,7 +104,7 @@ def _between(a: Iterable[int], b: Collection[int]) -> Pairs:
     return {(min(i, j), max(i, j)) for i in a for j in b if i != j}
 
 
-def _apart(
+def pairs_apart(
     candidates: Sequence[PlacedSurface], declared: Mapping[str, DeclaredContact], joints: Sequence[Any]
 ) -> Pairs:
     """Pairs that no rule is for: declared by themselves, or of two bodies with a joint between them."""
@@ -117,7 +125,7 @@ def _of_bodies(candidates: Sequence[PlacedSurface]) -> dict[int, list[int]]:
     return of_body
 
 
-def _excluded_pairs(rule: ContactRule, candidates: Sequence[PlacedSurface]) -> Pairs:
+def excluded_pairs(rule: ContactRule, candidates: Sequence[PlacedSurface]) -> Pairs:
     """Pairs that a rule excludes."""
     number = {surface.label: k for k, surface in enumerate(candidates)}
     of_body = _of_bodies(candidates)

@@ -262,9 +262,11 @@ class Scene:
 
         Left out are pairs of bodies with a joint between them, pairs declared with :meth:`contact`, and the pairs in
         ``exclude``, of bodies (with all their surfaces), surfaces, or ``scene.ground``; and pairs of kinds between
-        which there is no contact, such as two holes. Contacts are named after their surfaces, such as
-        "box1.outline/ground.half_plane1". It holds for what is added later, too. Node sides follow from the kinds, two
-        chains are node sides of each other: where a choice is wanted, declare the pair with :meth:`contact`.
+        which there is no contact, such as two holes. Of these, those that may meet are told in ``warnings`` of the
+        result, and a body that would fall through all that it meets is refused. Contacts are named after their
+        surfaces, such as "box1.outline/ground.half_plane1". It holds for what is added later, too. Node sides follow
+        from the kinds, two chains are node sides of each other: where a choice is wanted, declare the pair with
+        :meth:`contact`.
 
         friction, restitution, tangential_restitution, law: as in :meth:`contact`, of all these contacts.
         """

@@ -118,6 +118,11 @@ class SpatialSurface:
         """Whether nodes of this one may touch features of the other."""
         return isinstance(other, SpatialSurface) and other.kind in TOUCHED.get(self.kind, ())
 
+    def can_meet(self, other: SpatialSurface) -> bool:
+        """Whether such surfaces can come to each other from apart: points cannot, nor solids that fill all around."""
+        kinds = {self.kind, other.kind}
+        return kinds != {SpatialKind.NODE} and not kinds <= {SpatialKind.HOLE, SpatialKind.PLANE}
+
     def partners(self) -> str:
         """What surfaces it can touch, in words."""
         found = [kind.value for kind in SpatialKind if self.can_touch(SpatialSurface(kind, ()))]

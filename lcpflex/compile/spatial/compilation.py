@@ -22,6 +22,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import frozen
 from lcpflex.model.spatial import SpatialModel
 from lcpflex.scene.contact_rules import by_rules
+from lcpflex.scene.left_out import pairs_left_out
 from lcpflex.scene.spatial.scene import SpatialParts
 
 if TYPE_CHECKING:
@@ -51,8 +52,12 @@ def compiled_spatial_scene(
     }
     joints = compile_spatial_joints(parts.joints, assembly, project)
     loads = compile_spatial_loads(scene.gravity, parts.loads, assembly)
-    by_rule, rule = by_rules(
-        parts.placed, parts.surfaces, parts.contacts, parts.rules, tuple(parts.joints.values()), indents is not None
+    jointed = tuple(parts.joints.values())
+    by_rule, rule, touchable = by_rules(
+        parts.placed, parts.surfaces, parts.contacts, parts.rules, jointed, indents is not None
+    )
+    left_out = pairs_left_out(
+        parts.placed, touchable, parts.contacts, parts.rules, jointed, parts.loads, bool(scene.gravity.any())
     )
     declared = {**parts.contacts, **by_rule}
     contacts = compile_spatial_contacts(declared, parts.surfaces, assembly, rule, len(parts.contacts))
@@ -90,6 +95,8 @@ def compiled_spatial_scene(
         callbacks,
         tuple(contact.law for contact in declared.values()),
         assembly.signals.functions,
+        warnings=left_out.warnings,
+        notes=left_out.notes,
         recovery=tuple(body.recovery for body in parts.bodies),
         sensors=tuple(compiled_spatial_sensor(name, one, bodies, layout) for name, one in parts.sensors.items()),
     )

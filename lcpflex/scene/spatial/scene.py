@@ -213,7 +213,7 @@ class SpatialScene:
     ) -> None:
         """Everything against everything: the surface of each body and all surfaces made on bodies and on the ground.
 
-        What is left out, and how contacts are named, is as in :meth:`lcpflex.Scene.contact_all`.
+        What is left out, told and refused, and how contacts are named, is as in :meth:`lcpflex.Scene.contact_all`.
 
         friction, restitution, tangential_restitution, law: as in :meth:`contact`, of all these contacts. exclude: pairs
         of bodies or surfaces.
