@@ -45,6 +45,7 @@ _WORDS: dict[str, Any] = {"va": "center", "color": INK, "bbox": _GROUND, "zorder
 _ARROW = 0.2  # largest length of an arrow of the usual force, relative to the picture
 _SHORTEST = 0.07  # likewise, where the bodies that touch are small
 _BODY_SHARE = 0.7  # length of that arrow, relative to the bodies that touch: arrows of a stack do not overlap
+_LETTER, _HIGH = 4.5, 10.0  # width and height of letters of these numbers, points
 CUT = 1.5  # a force beyond so many usual ones has a cut arrow, and its number beside
 _NUMBERED = 8  # of them, the largest ones: numbers of a pile would hide each other
 SEEN = 1e-3  # forces below this share of the usual one are not drawn
@@ -85,22 +86,33 @@ def draw_arrows(ax: Axes, arrows: Sequence[Placed]) -> None:
     numbered = _least_numbered([size for _, _, size, cut in arrows if cut])
     feet = np.array([place for place, *_ in arrows])
     add_line(ax, feet[:, 0], feet[:, 1], linestyle="", marker="o", markersize=3, color=INK, zorder=FRONT)
-    for place, tip, size, cut in arrows:
+    for place, tip, *_ in arrows:
         _arrow(ax, place, tip)
+    taken: list[FloatArray] = []
+    for place, tip, size, cut in sorted(arrows, key=lambda arrow: -arrow[2]):
         if cut and size >= numbered:
-            label = f" {with_unit(float(f'{size:.2g}'), 'N')} "
-            side = "left" if tip[0] >= place[0] else "right"
-            ax.text(
-                tip[0],
-                tip[1],
-                label,
-                ha=side,
-                va="center",
-                fontsize="x-small",
-                color=INK,
-                bbox=_GROUND,
-                zorder=FRONT + 1,
-            )
+            _number(ax, place, tip, with_unit(float(f"{size:.2g}"), "N"), taken)
+
+
+def _number(ax: Axes, place: FloatArray, tip: FloatArray, text: str, taken: list[FloatArray]) -> None:
+    """The number of an arrow beside its tip, where it hides none of those in ``taken``, if there is such a place.
+
+    taken: (4,) left, right, lower, upper [pixels].
+    """
+    a_point = ax.figure.dpi / 72.0
+    x, y = ax.transData.transform(tip)
+    width, height = a_point * _LETTER * (len(text) + 2), a_point * _HIGH
+    first, other = ("left", "right") if tip[0] >= place[0] else ("right", "left")
+    for side, level in ((first, 0), (other, 0), (first, 1), (other, 1), (first, -1), (other, -1)):
+        left, low = (x if side == "left" else x - width), y + (level - 0.5) * height
+        box = np.array([left, left + width, low, low + height])
+        if any(box[0] < b[1] and b[0] < box[1] and box[2] < b[3] and b[2] < box[3] for b in taken):
+            continue
+        taken.append(box)
+        at = ax.transData.inverted().transform((x, y + level * height)) if level else tip
+        style: dict[str, Any] = {"fontsize": "x-small", "color": INK, "bbox": _GROUND, "zorder": FRONT + 1}
+        ax.text(at[0], at[1], f" {text} ", ha=side, va="center", **style)
+        return
 
 
 def _least_numbered(sizes: list[float]) -> float:

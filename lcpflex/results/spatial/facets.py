@@ -11,7 +11,7 @@ from lcpflex.basics import libs
 from lcpflex.bodies.spatial.shapes import CapsuleShape, CylinderShape, Shape, SphereShape, SurfaceShape
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["Facets", "ellipsoid", "facets_of"]
+__all__ = ["Facets", "ellipsoid", "facets_with_edges", "facets_of", "sides_of"]
 
 SHARP = math.radians(40.0)  # between two triangles, from which on their edge is drawn and their light differs
 ROUND = 48  # sides of a circle; half as many where there are many bodies
@@ -40,11 +40,11 @@ class Facets(NamedTuple):
 
 def facets_of(shape: Shape, coarse: bool = False) -> Facets | None:
     """The surface of a shape; None for one of which the vertices alone are known."""
-    sides = ROUND // 2 if coarse else ROUND
+    sides = sides_of(coarse)
     if isinstance(shape, SurfaceShape):
         if not len(shape.triangles):
             return None
-        return _facets(shape.vertices, shape.triangles, shape.phi, np.zeros((0, 2), np.int64))
+        return facets_with_edges(shape.vertices, shape.triangles, shape.phi, np.zeros((0, 2), np.int64))
     if isinstance(shape, SphereShape):
         return _turned(*_half_circle(shape.radius, 0.0, sides), sides, ring=sides // 4)
     if isinstance(shape, CapsuleShape):
@@ -52,6 +52,11 @@ def facets_of(shape: Shape, coarse: bool = False) -> Facets | None:
     assert isinstance(shape, CylinderShape)
     r, z = shape.radius, 0.5 * shape.length
     return _turned(np.array([0.0, r, r, 0.0]), np.array([-z, -z, z, z]), sides)
+
+
+def sides_of(coarse: bool) -> int:
+    """How many sides a circle has."""
+    return ROUND // 2 if coarse else ROUND
 
 
 def ellipsoid(centre: FloatArray, axes: FloatArray, semiaxes: FloatArray, coarse: bool = False) -> Facets:
@@ -98,10 +103,10 @@ def _turned(r: FloatArray, z: FloatArray, sides: int, ring: int | None = None) -
     if ring is not None:
         start = 1 + (ring - 1) * sides
         lines.append(np.column_stack([start + k, start + following]))
-    return _facets(vertices, np.concatenate(parts), np.zeros((len(vertices), 0, 3)), np.concatenate(lines))
+    return facets_with_edges(vertices, np.concatenate(parts), np.zeros((len(vertices), 0, 3)), np.concatenate(lines))
 
 
-def _facets(vertices: FloatArray, triangles: IntArray, phi: FloatArray, lines: IntArray) -> Facets:
+def facets_with_edges(vertices: FloatArray, triangles: IntArray, phi: FloatArray, lines: IntArray) -> Facets:
     """With the edges at which two triangles meet at an angle, or one ends."""
     unit = _unit_normals(vertices, triangles)
     pairs = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)

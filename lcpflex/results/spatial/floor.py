@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.results.spatial.camera import Camera
 
-__all__ = ["AXIS_COLOURS", "OUTSIDE", "Floor", "Scale", "draw_floor", "floor_under", "scales"]
+__all__ = ["AXIS_COLOURS", "OUTSIDE", "Floor", "Scale", "draw_floor", "floor_under", "scales", "thinned"]
 
 AXIS_COLOURS = ("#B2182B", "#1B7837", "#2166AC")  # of x, y and z
 _GROUND, _LINE, _WORDS = "#F4F4F2", "#C9C9C6", "#404040"
@@ -24,7 +24,8 @@ _CELLS = 7.0  # of the grid along the longest side, about
 _SEEN = 0.2  # share of its length, under which a border is seen too obliquely for numbers
 _OUT = 7.0  # from a border to its numbers, points
 _NAME = 26.0  # and to its name
-OUTSIDE = 42.0  # and to where the picture may end
+_LETTER, _HIGH, _BETWEEN = 4.5, 9.0, 4.0  # width and height of small letters, and room between two texts, points
+OUTSIDE = 46.0  # and to where the picture may end
 
 
 class Floor(NamedTuple):
@@ -50,19 +51,25 @@ class Scale(NamedTuple):
     colour: str
 
 
-def floor_under(low: FloatArray, high: FloatArray) -> Floor:
-    """The floor of a scene between two corners (3,), along the rows of ``Camera.floor``."""
+def floor_under(low: FloatArray, high: FloatArray, level: float | None = None) -> Floor:
+    """The floor of a scene between two corners (3,), along the rows of ``Camera.floor``.
+
+    It is at the height ``level`` [m]; without one a little below the scene.
+    """
     extent = max(float((high - low).max()), 1e-9)
     step = _round_step(extent / _CELLS)
     middle, half = 0.5 * (low + high)[:2], 0.5 * (high - low)[:2]
     half = np.maximum(half, 0.5 * _THIN * extent) + 0.25 * step
     first, last = np.floor((middle - half) / step) * step, np.ceil((middle + half) / step) * step
-    bottom = low[2] - _BELOW * extent
+    bottom = low[2] - _BELOW * extent if level is None else level
     return Floor(np.append(first, bottom), np.append(last, max(high[2], bottom + 0.5 * step)), step)
 
 
-def draw_floor(ax: Axes, floor: Floor, camera: Camera) -> None:
-    """The floor, its grid, and numbers along two borders and up from the leftmost corner."""
+def draw_floor(ax: Axes, floor: Floor, camera: Camera, point: float) -> None:
+    """The floor, its grid, and numbers along two borders and up from the leftmost corner.
+
+    point: length of a point of the page [m].
+    """
     seen = _on_picture(floor.corners(), camera)
     ax.add_patch(libs.Polygon(seen, facecolor=_GROUND, edgecolor=_LINE, linewidth=0.8, zorder=0))
     lines = []
@@ -74,9 +81,28 @@ def draw_floor(ax: Axes, floor: Floor, camera: Camera) -> None:
     ax.add_collection(libs.LineCollection(lines, colors=_LINE, linewidths=0.6, zorder=0.1))
     for scale in scales(floor, camera):
         ax.plot(*scale.line.T, color=_WORDS, linewidth=0.8, zorder=0.2)
-        for value, place in scale.numbers:
-            _beside(ax, _digits(value, floor.step), place, scale.out, _OUT, fontsize="x-small", color=_WORDS)
-        _beside(ax, scale.name, scale.line.mean(axis=0), scale.out, _NAME, fontsize="small", color=scale.colour)
+        texts, name = thinned(scale, floor.step, point)
+        for text, place in texts:
+            _beside(ax, text, place, scale.out, _OUT, fontsize="x-small", color=_WORDS)
+        _beside(ax, scale.name, scale.line.mean(axis=0), scale.out, name, fontsize="small", color=scale.colour)
+
+
+def thinned(scale: Scale, step: float, point: float) -> tuple[list[tuple[str, FloatArray]], float]:
+    """Numbers of a scale that do not run into each other, and how far its name is beyond them [points].
+
+    Every number, or every second, fifth, tenth of those that are multiples of as many steps.
+    """
+    texts = [(_digits(value, step), place) for value, place in scale.numbers]
+    widest = _LETTER * max((len(text) for text, _ in texts), default=0)
+    beyond = abs(float(scale.out[0])) * widest + abs(float(scale.out[1])) * _HIGH
+    name = max(_NAME, _OUT + beyond + _BETWEEN)
+    if len(texts) < 2:
+        return texts, name
+    apart = np.abs(texts[1][1] - texts[0][1]) / point
+    needed = min((widest + _BETWEEN) / max(apart[0], 1e-9), _HIGH / max(apart[1], 1e-9))
+    every = next((k for k in (1, 2, 5, 10) if k >= needed), 20)
+    counts = [round(value / step) for value, _ in scale.numbers]
+    return [text for text, count in zip(texts, counts, strict=True) if count % every == 0], name
 
 
 def scales(floor: Floor, camera: Camera) -> list[Scale]:

@@ -12,7 +12,7 @@ from lcpflex.results.drawn_forces import draw_arrows, draw_key
 from lcpflex.results.spatial.camera import Look, camera_of
 from lcpflex.results.spatial.contact_arrows import ContactArrows
 from lcpflex.results.spatial.floor import AXIS_COLOURS, OUTSIDE, draw_floor, floor_under, scales
-from lcpflex.results.spatial.ground import draw_patches, patches
+from lcpflex.results.spatial.ground import GROUND_COLOUR, draw_patches, level_under, near_solids, patches
 from lcpflex.results.spatial.raster import (
     FINER,
     NOBODY,
@@ -65,14 +65,24 @@ class SpatialPicture:
         records = records[:: max(1, len(records) // _RECORDS)]
         self._arms = max(self._broad(result.q[record]) for record in records) if look.frames else 0.0
         swept = [self._swept(result.q[record]) for record in records]
-        self._patches = patches(compiled.model, np.concatenate(swept), self._camera.floor[2])
-        for places in (*swept, *self._patches):
+        moving, up = np.concatenate(swept), self._camera.floor[2]
+        level = level_under(compiled.model, moving, up)
+        self._patches = patches(compiled.model, moving, up, level)
+        none = np.zeros(0, np.int64)
+        self._ground = [
+            Drawn(-1, facets, np.zeros(3), none, None, 0.0) for facets in near_solids(self._scenery.solids, moving)
+        ]
+        solids = [one.facets.vertices for one in self._ground if one.facets is not None]
+        for places in (*swept, *self._patches, *solids):
             along = places @ self._camera.floor.T
             low, high = np.minimum(low, along.min(axis=0)), np.maximum(high, along.max(axis=0))
             seen = self._camera.seen(places)[:, :2]
             sights = np.array([np.minimum(sights[0], seen.min(axis=0)), np.maximum(sights[1], seen.max(axis=0))])
+        if level is not None:
+            low[2] = min(low[2], level)
+            high[2] = max(high[2], level)
         self._extent = max(float((high - low).max()), 1e-9)
-        self.floor = floor_under(low, high)
+        self.floor = floor_under(low, high, level)
         borders = scales(self.floor, self._camera)
         corners = self._camera.seen(self.floor.corners() @ self._camera.floor)[:, :2]
         seen = np.concatenate([corners, sights, *(scale.line for scale in borders)])
@@ -117,7 +127,8 @@ class SpatialPicture:
         ax.set_xlim(self.view[0], self.view[1])
         ax.set_ylim(self.view[2], self.view[3])
         ax.set_axis_off()
-        draw_floor(ax, self.floor, self._camera)
+        longer = max(self.view[1] - self.view[0], self.view[3] - self.view[2])
+        draw_floor(ax, self.floor, self._camera, longer / (72.0 * _LONGEST))
         draw_patches(ax, self._patches, self._camera)
         draw_key(ax, self.view, self._arrows.length, self._arrows.usual)
 
@@ -156,19 +167,21 @@ class SpatialPicture:
         corners, light, tints, owners = [], [], [], []
         lines: list[tuple[FloatArray, float, FloatArray, int]] = []
         fine = FINER * self._scale(columns)
-        for one in self._scenery.drawn:
-            places = self._scenery.vertices(q, one, self._look.scale)
-            colour = colour_of(one.body)
+        for one in (*self._scenery.drawn, *self._scenery.parts, *self._ground):
+            places = self._vertices(q, one)
+            colour = colour_of(one.body) if one.body >= 0 else GROUND_COLOUR
+            owner = one.body if one.body >= 0 else self._ground_owner()
             if one.facets is not None:
                 shown, bright = self._lit(one, places)
                 corners.append(self._pixel(places[one.facets.triangles[shown]], fine))
                 light.append(bright)
                 tints.append(np.broadcast_to(colour, (len(bright), 3)))
-                owners.append(np.full(len(bright), one.body))
-                lines += [(places[one.facets.edges], _EDGE, 0.35 * colour, one.body)]
+                owners.append(np.full(len(bright), owner))
+                lines += [(places[one.facets.edges], _EDGE, 0.35 * colour, owner)]
             if one.dots is not None:
                 lines += [(np.stack([places, places], axis=1), _STAR, 0.8 * colour, one.body)]
-            lines += self._star(q, one, 0.85 * colour)
+        for one in self._scenery.drawn:
+            lines += self._star(q, one, 0.85 * colour_of(one.body))
         if corners:
             triangles = np.concatenate(corners)
             fill_triangles(triangles, np.concatenate(light), np.concatenate(tints), np.concatenate(owners), *canvas)
@@ -178,6 +191,17 @@ class SpatialPicture:
         if self._look.frames:
             self._stroke(canvas, self._axes_of_bodies(q), fine, _LIFT, _BEHIND)
         return canvas, shadow
+
+    def _vertices(self, q: FloatArray, one: Drawn) -> FloatArray:
+        """(N, 3) world places of a surface."""
+        if one.body >= 0:
+            return self._scenery.vertices(q, one, self._look.scale)
+        assert one.facets is not None
+        return one.facets.vertices
+
+    def _ground_owner(self) -> int:
+        """Of pixels with surfaces of the ground; the number before it is that of rods and springs."""
+        return len(self._scenery.drawn) + 1
 
     def _lit(self, one: Drawn, places: FloatArray) -> tuple[IntArray, FloatArray]:
         """Which triangles are seen, and the light at the corners (T, 3) of these."""
@@ -247,9 +271,9 @@ class SpatialPicture:
         """On the floor, straight below the bodies, soft; none from underneath."""
         if self._camera.towards @ self._camera.floor[2] <= 0.0:
             return shadow
-        for one in self._scenery.drawn:
+        for one in (*self._scenery.drawn, *self._scenery.parts, *self._ground):
             if one.facets is not None:
-                along = self._scenery.vertices(q, one, self._look.scale) @ self._camera.floor.T
+                along = self._vertices(q, one) @ self._camera.floor.T
                 along[:, 2] = self.floor.low[2]
                 places = self._pixel(along @ self._camera.floor, self._scale(columns))
                 fill_shadow(np.ascontiguousarray(places[one.facets.triangles][:, :, :2]), shadow)
@@ -290,7 +314,8 @@ class SpatialPicture:
         rows, columns = canvas.depth.shape
         x, y, z = self._pixel(place, FINER * self._scale(columns // FINER))
         i, j = int(np.clip(y, 0, rows - 1)), int(np.clip(x, 0, columns - 1))
-        return int(canvas.owner[i, j]) not in {*holders, NOBODY, len(self._scenery.drawn)} and canvas.depth[i, j] > z
+        seen = {*holders, NOBODY, len(self._scenery.drawn)} | ({self._ground_owner()} if -1 in holders else set())
+        return int(canvas.owner[i, j]) not in seen and canvas.depth[i, j] > z
 
     def _pixel(self, places: FloatArray, scale: float) -> FloatArray:
         """(..., 3) column, row and depth of places (..., 3), a metre being ``scale`` pixels."""

@@ -12,6 +12,7 @@ from lcpflex.model.coordinates import ALONG, COMPONENT, DISTANCE
 from lcpflex.model.spatial import N_PLACE
 from lcpflex.results.places import material_shapes, modal_sum
 from lcpflex.results.spatial.facets import Facets, ellipsoid, facets_of
+from lcpflex.results.spatial.surfaces import Part, parts_of
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
@@ -43,15 +44,18 @@ class Drawn(NamedTuple):
 
 
 class Scenery:
-    """Bodies, rods, springs and marks of joints of a compiled spatial scene.
+    """Bodies, their surfaces and those of the ground, rods, springs and marks of joints of a compiled spatial scene.
 
-    A body of unknown shape is drawn as the homogeneous ellipsoid of its mass and inertia, with lines from its mass
-    centre to the points at which joints, springs and forces hold it.
+    A body of unknown shape without a surface is drawn as the homogeneous ellipsoid of its mass and inertia. Lines go
+    from the mass centre of a body of unknown shape to the points at which joints, springs and forces hold it.
     """
 
     def __init__(self, compiled: CompiledScene) -> None:
         self.model: SpatialModel = compiled.model
         bodies, many = self.model.bodies, len(compiled.layout.shapes) > MANY
+        every = parts_of(self.model, compiled.layout.shapes, many)
+        self.parts = [self._part(part) for part in every if part.body >= 0]
+        self.solids = [part.facets for part in every if part.body < 0]  # on the ground
         self.drawn = [self._body(b, shape, many) for b, shape in enumerate(compiled.layout.shapes)]
         self.places = bodies.place.tolist()
         kinds = [set(self.model.joints.kind[a:b].tolist()) for a, b in _ranges(self.model.joints.row)]
@@ -81,10 +85,16 @@ class Scenery:
         held = np.unique(np.concatenate([self.model.joints.point.ravel(), self.model.loads.spring_point.ravel(),
                                          self.model.loads.force_point]))  # fmt: skip
         own = held[self.model.points.body[held] == b]
-        extent = max(
-            2.0 * semiaxes.max(), float(np.linalg.norm(self.model.points.place[own] - centre, axis=1).max(initial=0.0))
-        )
+        reach = float(np.linalg.norm(self.model.points.place[own] - centre, axis=1).max(initial=0.0))
+        parts = [part.extent for part in self.parts if part.body == b]
+        if parts:
+            return Drawn(b, None, centre, own, None, max(reach, *parts))
+        extent = max(2.0 * semiaxes.max(), reach)
         return Drawn(b, ellipsoid(centre, axes, semiaxes, many), centre, own, None, extent)
+
+    def _part(self, part: Part) -> Drawn:
+        extent = float(np.ptp(part.facets.vertices, axis=0).max())
+        return Drawn(part.body, part.facets, np.zeros(3), np.zeros(0, np.int64), None, extent)
 
     def frame(self, q: FloatArray, b: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Origin (3,), axes (3, 3) as columns, and modal coordinates (n,) of a body."""
@@ -124,7 +134,7 @@ class Scenery:
 
     def reach(self, q: FloatArray, scale: float) -> FloatArray:
         """(k, 3) places that the picture has to hold."""
-        parts = [self.vertices(q, one, scale) for one in self.drawn]
+        parts = [self.vertices(q, one, scale) for one in (*self.drawn, *self.parts)]
         parts += [self.at(q, one.ends, scale) for one in self.drawn if len(one.ends)]
         linked = [self.at(q, pair, scale) for pair in (*self.rods, *self.springs, *self.bushings)]
         joints = [self.at(q, (p, q_), scale) for p, q_, _ in self.joints]
