@@ -127,8 +127,9 @@ class SpatialPicture:
         ax.set_xlim(self.view[0], self.view[1])
         ax.set_ylim(self.view[2], self.view[3])
         ax.set_axis_off()
-        longer = max(self.view[1] - self.view[0], self.view[3] - self.view[2])
-        draw_floor(ax, self.floor, self._camera, longer / (72.0 * _LONGEST))
+        box = ax.get_window_extent()
+        a_pixel = max((self.view[1] - self.view[0]) / box.width, (self.view[3] - self.view[2]) / box.height)
+        draw_floor(ax, self.floor, self._camera, a_pixel * ax.figure.dpi / 72.0)
         draw_patches(ax, self._patches, self._camera)
         draw_key(ax, self.view, self._arrows.length, self._arrows.usual)
 

@@ -156,10 +156,10 @@ def clipped(facets: Facets, low: FloatArray, high: FloatArray) -> Facets | None:
         corners += [polygon[[0, k, k + 1]] for k in range(1, len(polygon) - 1)]
     lines = []
     for line in facets.vertices[facets.edges]:
-        rest = line
+        piece = line
         for axis, sign, limit in planes:
-            rest = cut(rest, sign * rest[:, axis] - limit, closed=False)
-        lines += [rest] if len(rest) == 2 else []
+            piece = cut(piece, sign * piece[:, axis] - limit, closed=False)
+        lines += [piece] if len(piece) == 2 else []
     if not corners and not lines:
         return None
     every = np.concatenate([np.reshape(corners, (-1, 3)), np.reshape(lines, (-1, 3))])
@@ -171,7 +171,8 @@ def clipped(facets: Facets, low: FloatArray, high: FloatArray) -> Facets | None:
     triangles, edges = number[: 3 * len(corners)].reshape(-1, 3), number[3 * len(corners) :].reshape(-1, 2)
     whole = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
     vertices = every[first]
-    return facets_with_edges(vertices, triangles[whole], np.zeros((len(vertices), 0, 3)), edges)
+    rest = facets_with_edges(vertices, triangles[whole], np.zeros((len(vertices), 0, 3)), edges)
+    return rest._replace(closed=facets.closed)  # what hid its inside is not in the picture, and what is inside no more
 
 
 def cut(polygon: FloatArray, height: FloatArray, closed: bool = True) -> FloatArray:
