@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
@@ -164,3 +165,42 @@ def test_a_scene_is_copied_and_pickled_with_them_and_they_are_made_again_elsewhe
     for one, two in zip(again.shape.points, solid.shape.points, strict=True):
         np.testing.assert_array_equal(one.place, two.place)
     np.testing.assert_array_equal(again.shape.triangles, solid.shape.triangles)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.2])
+@pytest.mark.parametrize("box_first", [True, False])
+def test_a_box_that_tips_over_an_end_of_the_ground_slips_when_its_friction_is_used_up(
+    box_first: bool, yaw: float
+) -> None:
+    """About the edge, d beyond its support: J theta'' = m g x, until the force m (a + g) leaves the cone of its face.
+
+    The face of the ground is none of the contact any more, from the start on, whichever of the two comes first.
+    """
+    half, d, friction, g = 0.05, 0.02, 0.3, 9.81
+    turn = Rotation.from_euler("z", yaw)  # of all that there is: no axis of the world is special
+    scene = lf.SpatialScene()
+    solid = scene.ground.box((0.0, 0.0, -1.0), (2.0, 2.0, 2.0), turn)
+    place = turn.apply([1.0 + d, 0.0, half])
+    body = scene.add(lf.Cuboid(0.2, 0.1, 2.0 * half, mass=1.0), position=place, orientation=turn)
+    pair = (body.surface(), solid) if box_first else (solid, body.surface())
+    scene.contact(*pair, friction=friction)
+    result = lf.simulate(scene, 0.2, lf.EventDriven(), progress=False)
+
+    inertia = (0.2**2 + (2.0 * half) ** 2) / 12.0 + d**2 + half**2
+
+    def way(angle: float) -> tuple[float, float]:
+        return d * np.cos(angle) + half * np.sin(angle), half * np.cos(angle) - d * np.sin(angle)
+
+    def motion(_: float, y: Any) -> list[float]:
+        return [y[1], g * way(y[0])[0] / inertia]
+
+    def left(t: float, y: Any) -> float:
+        (x, z), turning = way(y[0]), motion(t, y)[1]
+        force = np.array([turning * z - y[1] ** 2 * x, -turning * x - y[1] ** 2 * z + g])
+        normal = np.array([np.sin(y[0]), np.cos(y[0])])
+        return float(friction * (normal @ force) - abs(normal[1] * force[0] - normal[0] * force[1]))
+
+    left.terminal = True  # type: ignore[attr-defined]
+    expected = solve_ivp(motion, (0.0, 0.2), [0.0, 0.0], events=left, rtol=1e-11, atol=1e-13).t_events[0][0]
+    (slip,) = [event.time for event in result.events if event.kind == "slip"]
+    assert slip == pytest.approx(expected, abs=1e-7)

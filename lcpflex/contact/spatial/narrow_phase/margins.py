@@ -12,6 +12,7 @@ import math
 
 from lcpflex.contact.spatial.kinds import EDGE, FACET, PLANE, POLYGON
 from lcpflex.contact.spatial.manifold.clip import beyond_side
+from lcpflex.contact.spatial.narrow_phase.crossing import UNKNOWN, face_on_j
 from lcpflex.contact.spatial.narrow_phase.cylinder import cylinder_margin
 from lcpflex.contact.spatial.narrow_phase.cylinder_edges import edge_margin
 from lcpflex.contact.spatial.narrow_phase.edges import END, TILT
@@ -27,11 +28,13 @@ from lcpflex.contact.spatial.table import (
     with_edge,
 )
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.kinematics.spatial.rotations import Vector
+from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import apart_from, dot, norm, row_vector, scaled, turned, turned_back
 from lcpflex.model.spatial import SpatialModel
 
 __all__ = ["margin_on_i", "margin_on_j"]
+
+HANGS = 2e-7  # of the extent, twice the drop from which detection lets an edge hang on a side: it is sure to, then
 
 
 @kernel
@@ -129,6 +132,44 @@ def on_line(model: SpatialModel, f: int, s: float) -> float:
 
 
 @kernel
+def above_side(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: SpatialContactTable, k: int) -> float:
+    """How much farther an edge may fall below a face beyond the side that it crosses, in extents; entry k.
+
+    An edge that falls deeper hangs on that side, and its body has tipped over it: detection tells so, from half of
+    HANGS on. Infinite where the two edges have no normal that leads out of both bodies, as detection stays there, too.
+    """
+    c, points, point = model.contacts, model.points, table.point
+    f = table.key[k] % len(c.feature_kind)
+    e = table.key[k] // len(c.feature_kind) - len(c.node_point)
+    head = world_place(i, place_in(points, q, i, point[k, 0]))
+    tail = world_place(i, place_in(points, q, i, point[k, 1]))
+    start = world_place(j, place_in(points, q, j, point[k, 2]))
+    end = world_place(j, place_in(points, q, j, point[k, 3]))
+    along_i, along_j, normal = apart_from(tail, head), apart_from(end, start), row_vector(table.normal, k)
+    size = 2.0 * min(c.surface_extent[surface_of(c.feature_start, e)], c.surface_extent[surface_of(c.feature_start, f)])
+    if face_on_j(points, table, k):
+        inward = apart_from(world_place(j, place_in(points, q, j, point[k, 4])), start)
+        inward = apart_from(inward, scaled(dot(inward, along_j) / dot(along_j, along_j), along_j))
+        lowest = head if dot(inward, along_i) > 0.0 else tail
+        drop = dot(normal, apart_from(start, lowest))
+    else:
+        inward = apart_from(world_place(i, place_in(points, q, i, point[k, 4])), head)
+        inward = apart_from(inward, scaled(dot(inward, along_i) / dot(along_i, along_i), along_i))
+        lowest = start if dot(inward, along_j) > 0.0 else end
+        drop = dot(normal, apart_from(lowest, head))
+    margin = (max(-table.gap[k], 0.0) - drop) / size + HANGS
+    if margin >= 0.0:
+        return margin
+    n = cross(along_i, along_j)
+    if norm(n) <= UNKNOWN * norm(along_i) * norm(along_j):
+        return math.inf
+    n = scaled((1.0 if dot(n, normal) > 0.0 else -1.0) / norm(n), n)
+    out_of_j = in_wedge(model, q, j, f, turned_back(j.A, n))
+    out_of_i = in_wedge(model, q, i, e, turned_back(i.A, scaled(-1.0, n)))
+    return margin if min(out_of_i, out_of_j) >= -TILT else math.inf
+
+
+@kernel
 def margin_on_j(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: SpatialContactTable, k: int) -> float:
     """How far the foot of entry k is inside the feature of body j."""
     c = model.contacts
@@ -139,7 +180,7 @@ def margin_on_j(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: S
     if kind == PLANE:
         return math.inf
     if table.kind[k] == EDGE_FACET:
-        return on_line(model, f, table.foot[k, 1])
+        return min(on_line(model, f, table.foot[k, 1]), above_side(model, q, i, j, table, k))
     extent = c.surface_extent[surface_of(c.feature_start, f)]
     if by_cylinder(table, k):
         if with_edge(table, k):
