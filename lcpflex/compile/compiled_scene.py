@@ -154,6 +154,7 @@ class CompiledScene:
             dense=False,
             margin=MARGIN * self.size,
             names=self.layout.contacts,
+            bodies=self.layout.bodies,
             laws=self.laws,
             functions=self.functions,
             contact_modes=tuple(contacts for _, contacts in self.layout.residual),

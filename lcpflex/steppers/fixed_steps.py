@@ -12,6 +12,7 @@ from lcpflex.jit.kernel import kernel
 from lcpflex.jit.struct import allocate
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.clock import StepCount
+from lcpflex.steppers.not_finite import not_finite
 from lcpflex.steppers.passing import may_pass
 from lcpflex.steppers.rates import UNSTORED, ask_step, strides_of
 from lcpflex.steppers.recorder import Recorder, has_room
@@ -152,7 +153,23 @@ class FixedSteps:
 
     def trouble(self, status: int) -> str:
         """Why the loop cannot go on; empty where it can after all."""
-        return self.stepping.trouble(status, int(self.clock.number), self.clock.time)
+        words = self.stepping.trouble(status, int(self.clock.number), self.clock.time)
+        if words and (status == RunStatus.NOT_FINITE or not_finite(self.system, self.stepping.work)):
+            self._store_last()
+        return words
+
+    def _store_last(self) -> None:
+        """Store the state that the step began from, which is sound, without the forces of the contacts found in it."""
+        clock, work = self.clock, self.stepping.work
+        if clock.begun == 0 or clock.within != 0.0 or clock.stored == clock.steps or clock.stride == UNSTORED:
+            return
+        self.records.empty()  # there is room
+        last, held = clock.last, (work.n_contacts, work.n_tangents)
+        work.n_contacts = work.n_tangents = work.islands.count = 0
+        clock.last = clock.steps
+        self._loop(clock.steps)
+        clock.last = last
+        work.n_contacts, work.n_tangents = held
 
     def remarks(self) -> tuple[list[str], list[str]]:
         """Warnings and notes of the run so far."""

@@ -1,4 +1,4 @@
-"""Contacts in words."""
+"""Contacts and bodies in words."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 __all__ = ["listed"]
 
-LISTED = 6  # contacts that are named
+LISTED = 6  # that are named
 
 
-def listed(contacts: list[int], name: Callable[[int], str]) -> str:
-    """Contacts by their names, the first ones where they are many."""
-    more = f" and {len(contacts) - LISTED} more" if len(contacts) > LISTED else ""
-    return ("contacts " if len(contacts) > 1 else "contact ") + ", ".join(map(name, contacts[:LISTED])) + more
+def listed(numbers: list[int], name: Callable[[int], str], one: str = "contact", several: str = "contacts") -> str:
+    """Contacts, or what else is named ``one``, by their names, the first ones where they are many."""
+    more = f" and {len(numbers) - LISTED} more" if len(numbers) > LISTED else ""
+    return f"{several if len(numbers) > 1 else one} " + ", ".join(map(name, numbers[:LISTED])) + more

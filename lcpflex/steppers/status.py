@@ -35,7 +35,7 @@ class RunStatus(IntEnum):
     PASSED = 5  # a body may have passed through another one
     CALM = 6  # raised thresholds are to be lowered
     # the loop cannot go on as it is
-    SOLVER_FAILED = 7
+    SOLVER_FAILED = 7, "a velocity or force of the contact problem is no finite number"  # else the solver is asked why
     NOT_FINITE = 8, "the state is no longer finite: the step is too long for the forces of this scene"
     STEP_TOO_SHORT = 9, "no step is short enough: the forces are not smooth, or the state grows without bound"
     OUT_OF_RANGE = 10  # a contact law, of the indentations it is valid for

@@ -47,7 +47,7 @@ class System:
 
     ``hooks`` maps kernels (supply, forces, detect, ...) to replacements; empty, the run is
     compiled throughout. ``watch`` is told of each contact problem that was solved. ``names``: declared contacts.
-    ``laws``: their continuous contact forces, None for rigid ones; empty, all are.
+    ``laws``: their continuous contact forces, None for rigid ones; empty, all are. ``bodies``: names of the bodies.
     """
 
     model: Model
@@ -59,6 +59,7 @@ class System:
     margin: float
     watch: Callable[[ContactData, SolverMemory], None] | None = None
     names: tuple[str, ...] = ()
+    bodies: tuple[str, ...] = ()
     laws: tuple[Law | None, ...] = ()
     soft: tuple[int, ...] = ()  # 1 for each rigid contact that gives way by an elastic law; empty if none does
     functions: tuple[CompiledFunction, ...] = ()  # that the model calls by their addresses
@@ -90,6 +91,10 @@ class System:
         """What a text calls a contact: its name or, if it has none, its number in the order of declaration."""
         named = self.names or self.rule_surfaces
         return repr(self.name_of(law)) if named else f"number {law + 1} in the order of declaration"
+
+    def body_name(self, body: int) -> str:
+        """What a text calls a body, of a system that has some."""
+        return repr(self.bodies[body])
 
     def name_of(self, law: int) -> str:
         """Name of a declared contact, or of a pair by the rule."""

@@ -17,6 +17,7 @@ from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.cold_islands import give_start
 from lcpflex.steppers.driver import Rescue, dense_limit, solver_hooks, solver_method
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings
+from lcpflex.steppers.not_finite import not_finite
 from lcpflex.steppers.options import CONTINUE, RAISE
 from lcpflex.steppers.records import Records
 from lcpflex.steppers.several_motions import SeveralMotions
@@ -172,6 +173,8 @@ class TimeStepping:
             return words
         if status == RunStatus.OUT_OF_RANGE:
             return law_trouble(self.system.names, self.work)
+        if status in (RunStatus.SOLVER_FAILED, RunStatus.NOT_FINITE) and (named := not_finite(self.system, self.work)):
+            return f"{RunStatus(status).sentence} ({named})"
         if status == RunStatus.SOLVER_FAILED and self.work.unsolved_large:
             return unsolved_large(self.work, self.scheme.tolerance) + self.support.hint
         if status == RunStatus.SOLVER_FAILED:

@@ -44,6 +44,7 @@ from lcpflex.steppers.event_driven.remarks import event_remarks, shared_load
 from lcpflex.steppers.event_driven.thresholds import SLIP_PART, SPATIAL_SLIP_PART, Thresholds
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states
 from lcpflex.steppers.named import listed
+from lcpflex.steppers.not_finite import not_finite
 from lcpflex.steppers.options import keep_solver
 from lcpflex.steppers.records import Records
 from lcpflex.steppers.run import Run
@@ -137,6 +138,8 @@ class EventDrivenSteps:
         elif status == RunStatus.CALM:
             self._thresholds.fall()
         elif status == RunStatus.SOLVER_FAILED:
+            if named := not_finite(self.system, self._work):
+                return f"{RunStatus.SOLVER_FAILED.sentence} ({named})"
             if not (self._rescued() or self._jam()):
                 return self._rescue.unsolved(self._work, int(self.clock.number), self._thresholds.settings.tolerance)
         elif status not in (RunStatus.TOO_OFTEN, RunStatus.CHATTER) or not self._calm():
@@ -160,7 +163,8 @@ class EventDrivenSteps:
         if status == RunStatus.OUT_OF_RANGE:
             return law_trouble(self.system.names, self._work)
         if status == RunStatus.NOT_FINITE:
-            return "the state is no longer finite"
+            named = not_finite(self.system, self._work)
+            return f"the state is no longer finite{f' ({named})' if named else ''}"
         return RunStatus(status).sentence
 
     def _calm(self) -> bool:

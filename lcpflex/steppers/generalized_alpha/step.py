@@ -259,12 +259,19 @@ def note_penetration(work: Workspace, scheme: AlphaScheme, recorder: Recorder) -
 
 @kernel
 def apply_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme, recorder: Recorder) -> bool:
-    """The state at the end of the step, in place. False where it is not finite."""
+    """The state at the end of the step, in place. False where it is not finite: that of the start stays, then."""
     q, u = scheme.q, scheme.u
     answer_joints(work)
     recall_joints(work)
     n_joint = work.n_joint
     add_impulses(work, work.free_u)
+    finite = True
+    for i in range(len(q)):
+        finite = finite and math.isfinite(scheme.q_new[i])
+    for i in range(len(u)):
+        finite = finite and math.isfinite(work.free_u[i])
+    if not finite:
+        return False
     audit(t, work, scheme, recorder)
     for r in range(n_joint):
         recorder.counts.worst_drift = max(recorder.counts.worst_drift, abs(work.residual[r]))
@@ -272,20 +279,17 @@ def apply_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme,
     jumps = broken(work, scheme)
     note_ends(model, scheme.step, recorder.reactions)
     note_impulses(model, work, struck(work, scheme), recorder.reactions)
-    finite = True
     for i in range(len(q)):
         q[i] = scheme.q_new[i]
-        finite = finite and math.isfinite(q[i])
     for i in range(len(u)):
         u[i] = work.free_u[i]
         scheme.a[i] = scheme.a_new[i]
         scheme.w[i] = scheme.w_new[i]
-        finite = finite and math.isfinite(u[i])
     copy_parts(scheme.end, scheme.start)
     scheme.phase = RESTART if jumps else SMOOTH
     scheme.turn = 0
     work.unsolved = 0  # of the next step
-    return finite
+    return True
 
 
 @kernel

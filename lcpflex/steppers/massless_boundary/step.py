@@ -179,7 +179,10 @@ def closed(work: Workspace) -> int:
 
 @kernel
 def correct(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Workspace, recorder: Recorder) -> bool:
-    """Forces, accelerations and the state at the end t of the step, in place. False where they are not finite."""
+    """Forces, accelerations and the state at the end t of the step, in place.
+
+    False where they are not finite: the state of the start stays, then.
+    """
     q, u = scheme.q, scheme.u
     # rows of the deformed surfaces: with others, forces do work that is not stored
     fill_contact_rows(model, work.middle, work.n_contacts, len(work.residual), work)
@@ -191,17 +194,20 @@ def correct(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Work
     scheme.n_closed = closed(work)
     drives = accelerate(model, t, h, scheme, work)
     finite = True
+    for i in range(len(q)):
+        finite = finite and math.isfinite(work.middle[i] + work.free_u[i] + 0.5 * h * scheme.acceleration[i])
+    if not finite:
+        return False
     difference(model, q, work.middle, scheme.rate)
     for i in range(len(q)):
         moved = scheme.flexibility[i] > 0.0 and h > 0.0 and scheme.n_closed > 0
         scheme.rate[i] = scheme.rate[i] / h if moved else 0.0
         q[i] = work.middle[i]
         u[i] = work.free_u[i] + 0.5 * h * scheme.acceleration[i]
-        finite = finite and math.isfinite(q[i] + u[i])
     audit(h, drives, scheme, work, recorder)
     lay_reactions(model, work, recorder.reactions.ahead)
     note_ends(model, h, recorder.reactions)
-    return finite
+    return True
 
 
 @record.of(BoundaryScheme)

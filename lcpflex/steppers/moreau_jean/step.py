@@ -241,12 +241,15 @@ def closes_with_impact(model: Model, scheme: MoreauJeanScheme, work: Workspace, 
 
 @kernel
 def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, recorder: Recorder) -> bool:
-    """Second half of a step: impulses, then u+ and q+ in place. False where they are not finite."""
+    """Second half of a step: impulses, then u+ and q+ in place. False where they are not finite: u and q stay, then."""
     q, u, h = scheme.q, scheme.u, scheme.step
     theta = scheme.theta  # numbers of structs are read again behind each store: not in loops over coordinates
     answer_joints(work)
     recall_joints(work)
     add_impulses(work, work.free_u)
+    for i in range(len(u)):
+        if not math.isfinite(work.free_u[i]):
+            return False
     audit(model, scheme, t, work, recorder)
     compare_friction(work.free_u, h, work)
     largest = 0.0
@@ -255,8 +258,6 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, r
     advance(model, q, u, h, q)
     for i in range(len(u)):
         u[i] = work.free_u[i]
-        if not math.isfinite(u[i]):
-            return False
     for i in range(len(q)):
         largest = max(largest, abs(q[i]))
         if not math.isfinite(q[i]):

@@ -1,7 +1,8 @@
 """What spatial contacts of the last step tell the problems of the next one: their forces as vectors of the world.
 
 A force that was found on other tangents is projected on the present ones and into the cone. Contacts are found by key
-as in the plane (:mod:`lcpflex.solvers.contact.recollection`).
+as in the plane (:mod:`lcpflex.solvers.contact.recollection`). Answers within a tolerance have normal forces of -1e-25,
+too: such a contact is open, and its cone a point, not one of negative width.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ def known_force(
     if place < 0:
         return 0.0, 0.0, 0.0, 0.0
     kept = known.force[known.now, place]
-    f, x, y, z, slip = kept[0], kept[1], kept[2], kept[3], kept[4]
+    f, x, y, z, slip = max(kept[0], 0.0), kept[1], kept[2], kept[3], kept[4]
     if not mu > 0.0:
         return f, 0.0, 0.0, 0.0
     a, b, c = tangent[k, 0], tangent[k, 1], tangent[k, 2]
@@ -57,7 +58,7 @@ def keep_force(
     n_x, n_y, n_z = normal[k, 0], normal[k, 1], normal[k, 2]
     known.key[row, at] = key
     kept = known.force[row, at]
-    kept[0], kept[4] = force, slip
+    kept[0], kept[4] = max(force, 0.0), slip
     kept[1] = first * a + second * (n_y * c - n_z * b)
     kept[2] = first * b + second * (n_z * a - n_x * c)
     kept[3] = first * c + second * (n_x * b - n_y * a)
