@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from functools import cache
+from itertools import product
 from typing import Any
 
 import numpy as np
 
+import lcpflex as lf
 from tests import libs
 
-__all__ = ["block", "bar"]
+__all__ = ["block", "bar", "box_with_surface"]
 
 STEEL = {"density": 7850.0, "youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
 ELEMENTS = {
@@ -60,3 +63,26 @@ def bar(cells: tuple[int, int, int], kind: str = "hex2") -> dict[str, Any]:
     """The steel bar 0.2 x 0.02 x 0.02 along x, its origin at the middle of its end face."""
     made = block((0.2, 0.02, 0.02), cells, kind)
     return made | {"coordinates": made["coordinates"] - [0.0, 0.01, 0.01]}
+
+
+@cache
+def box_with_surface(
+    edges: tuple[float, float, float], cells: tuple[int, int, int], modes: int, damping: float, **material: float
+) -> lf.SpatialBody:
+    """A block of linear elements about the origin, its mesh as its surface, two facets a cell, reduced to ``modes``."""
+    made = block(edges, cells, "hex1", **material)
+    places = made["coordinates"] - 0.5 * np.array(edges)
+    grid = np.round((places / edges + 0.5) * cells).astype(int)
+    node = {tuple(at): k for k, at in enumerate(grid.tolist())}
+    triangles = []
+    for axis in range(3):
+        first, second = (axis + 1) % 3, (axis + 2) % 3
+        for side, i, j in product((0, 1), range(cells[first]), range(cells[second])):
+            at = np.zeros((4, 3), int)
+            at[:, axis] = side * cells[axis]
+            at[:, first] = [i, i + 1, i + 1, i]
+            at[:, second] = [j, j, j + 1, j + 1]
+            a, b, c, d = (node[tuple(corner)] for corner in at.tolist())
+            triangles += [(a, b, c), (a, c, d)] if side else [(a, c, b), (a, d, c)]
+    given = made | {"coordinates": places}
+    return lf.SpatialMatrices(**given, triangles=np.array(triangles)).reduce(modes=modes, damping=damping)

@@ -35,11 +35,13 @@ __all__ = [
     "note_contact",
     "note_gain",
     "note_large",
+    "friction_state",
     "store_contacts",
     "store_state",
     "recorder",
 ]
 
+INSIDE = 1.0 - 1e-6  # of the cone: friction of a contact that slides is on it to the tolerance of solvers
 
 IN_THE_PLANE, IN_SPACE = 9, 13  # columns of touching points
 
@@ -176,6 +178,17 @@ def has_room(work: Workspace, recorder: Recorder) -> bool:
     """Whether an instant with the contacts of the present step fits into the recorder."""
     points = recorder.n_points + work.n_contacts + work.compliant.n_contacts
     return recorder.n_instants < len(recorder.times) and points <= len(recorder.points)
+
+
+@kernel
+def friction_state(normal: float, tangential: float, mu: float, slip: float, rest: float) -> int:
+    """STICK or SLIP of a contact that carries ``normal``, with |F_T| ``tangential`` and a ``slip`` [m/s], both >= 0.
+
+    One that slides is on its cone, |F_T| = mu F_N; so one inside of it sticks. Its velocity does not tell: a solver
+    leaves a part of the free velocities, of which those of stiff modes are far larger than those of bodies, and at rows
+    of the middle of a step a body that turns has some. On its cone it sticks if no faster than ``rest`` [m/s].
+    """
+    return STICK if tangential < INSIDE * mu * normal or slip <= rest else SLIP
 
 
 @kernel

@@ -22,7 +22,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
 from lcpflex.kinematics.configuration import advance as move, difference
 from lcpflex.kinematics.joint_rows import joint_rows
-from lcpflex.model.arrays import SLIP, STICK, Model
+from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.contact.compiled import slip_of, solve_contacts
 from lcpflex.solvers.contact.recollection import recall_basis, remember_basis, turn_over
@@ -30,7 +30,14 @@ from lcpflex.steppers.clock import StepClock, StepCount
 from lcpflex.steppers.massless_boundary.memory import BoundaryScheme
 from lcpflex.steppers.passing import set_out
 from lcpflex.steppers.projection import project_joints
-from lcpflex.steppers.recorder import Recorder, note_certificate, note_contact, store_contacts, store_state
+from lcpflex.steppers.recorder import (
+    Recorder,
+    friction_state,
+    note_certificate,
+    note_contact,
+    store_contacts,
+    store_state,
+)
 from lcpflex.steppers.scheme import record, take_step
 from lcpflex.steppers.status import RunStatus
 
@@ -228,7 +235,7 @@ def record_forces(model: Model, scheme: BoundaryScheme, t: float, work: Workspac
             slip = slip_of(work.solver, n + tangent)
             tangent += 1
         if work.normal[k] > 0.0:
-            state = STICK if abs(slip) <= STICKING else SLIP
+            state = friction_state(work.normal[k], abs(force_t), work.mu[k], abs(slip), STICKING)
             place = contact_point(model, q, work.table, k)
             note_contact(recorder, work.table.law[k], place, work.table.normal[k], work.normal[k], force_t, state)
     store_state(model, t, q, u, work, compliance_energy(scheme.compliance, work), recorder)

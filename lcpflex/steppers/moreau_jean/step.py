@@ -43,7 +43,7 @@ from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import struct
 from lcpflex.kinematics.configuration import advance
 from lcpflex.kinematics.joint_rows import joint_rows
-from lcpflex.model.arrays import SLIP, STICK, Model
+from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.clock import StepClock, StepCount
 from lcpflex.steppers.island_problems import shorten_forces, solve_islands
@@ -53,6 +53,7 @@ from lcpflex.steppers.recorder import (
     Recorder,
     add_compliant_impulse,
     add_impulse,
+    friction_state,
     note_compliant,
     note_contact,
     note_gain,
@@ -65,7 +66,7 @@ from lcpflex.steppers.status import RunStatus
 __all__ = ["MoreauJeanScheme", "record_impulses"]
 
 SLOWER = 10.0  # solver tolerances, times the velocities that cancel in it: such an approach is what solvers leave
-STICKING_SPEED = 1e-9  # [m/s] below which a touching point counts as sticking in the record
+STICKING_SPEED = 1e-9  # [m/s] of a touching point on its cone: up to that it counts as sticking in the record
 
 
 @struct
@@ -310,7 +311,7 @@ def note_impulses(model: Model, q: FloatArray, u: FloatArray, step: float, work:
             tangent += 1
         p_n = work.p[n_joint + k]
         if p_n > 0.0:
-            state = STICK if abs(slip) <= STICKING_SPEED else SLIP
+            state = friction_state(p_n, abs(p_t), work.mu[k], abs(slip), STICKING_SPEED)
             place = contact_point(model, q, work.table, k)
             note_contact(recorder, work.table.law[k], place, work.table.normal[k], p_n / step, p_t / step, state)
 

@@ -8,6 +8,8 @@ and at touching points the normal towards that body. The force of a point on tha
 
 from __future__ import annotations
 
+import math
+
 from lcpflex.contact.spatial.pairs import contact_point
 from lcpflex.contact.spatial.table import SpatialContactTable, side_of
 from lcpflex.dynamics.delassus import row_velocity
@@ -16,7 +18,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector
 from lcpflex.model.arrays import SLIP, STICK
 from lcpflex.model.spatial import SpatialModel
-from lcpflex.steppers.recorder import Recorder
+from lcpflex.steppers.recorder import Recorder, friction_state
 
 __all__ = [
     "add_compliant_impulse",
@@ -28,6 +30,7 @@ __all__ = [
 ]
 
 STICKING_SPEED = 1e-9  # [m/s] as in the plane
+LEFT = 1e-6  # of the terms of a free velocity: what answers that count as solved may leave of it
 
 
 @kernel
@@ -118,14 +121,16 @@ def note_impulses(
         p_n = work.p[n_joint + k]
         if not p_n > 0.0:
             continue
-        first, second, slip = 0.0, 0.0, 1.0
+        first, second, slip, rest, mu = 0.0, 0.0, 1.0, 0.0, 0.0
         j = work.tangent_of[k]
         if j >= 0:
             r = n_joint + n + j
             first, second = work.p[r], work.p[r + 1]
             slip = abs(row_velocity(work.rows, work.row_body, r, work.dof, u))
             slip += abs(row_velocity(work.rows, work.row_body, r + 1, work.dof, u))
-        state = STICK if slip <= STICKING_SPEED else SLIP
+            rest = max(STICKING_SPEED, LEFT * (work.terms[n + j] + work.terms[n + j + 1]))
+            mu = work.mu[k]
+        state = friction_state(p_n, math.hypot(first, second), mu, slip, rest)
         place = contact_point(model, q, work.table, k)
         note_spatial_contact(recorder, work.table, k, place, p_n / step, first / step, second / step, state)
 
