@@ -9,13 +9,26 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.dynamics.applied_forces import TORQUE
+from lcpflex.dynamics.time_functions import HARMONIC, PIECES
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 
-__all__ = ["GROWTH", "Energies", "EnergyGrowth", "created", "energy_warnings", "is_of_energy"]
+__all__ = [
+    "GROWTH",
+    "Energies",
+    "EnergyGrowth",
+    "created",
+    "energy_doubts",
+    "energy_warnings",
+    "held_energy",
+    "is_of_energy",
+    "load_energy",
+]
 
 GROWTH = 1e-4  # created energy, relative to the largest stored one, above which a result warns
-REMAINDER = 0.02  # unexplained energy, likewise
+REMAINDER = 0.02  # unexplained energy, likewise; and energy that grew without work, above which a result is in doubt
+AT_REST = 1e-3  # of what loads would do over the size of a body: where no more is stored, things rest
 ROUNDING = 1e-10  # stored energy below this, relative to the potential energy, cannot be told from rounding
 
 
@@ -103,6 +116,24 @@ class Energies:
         return max(float(np.max(self.stored) - np.min(self.potential)), self.rounding)
 
     @property
+    def growth(self) -> float:
+        """By how much the stored energy was above that of the start and the work of loads and drives, at most [J]."""
+        if not self.kinetic.size:
+            return 0.0
+        own = self.stored - self.work
+        return float(np.max(own) - own[0])
+
+    @property
+    def given_back(self) -> float:
+        """Energy that contacts have given back beyond what they had taken, and impacts alone, too [J]; 0 if none.
+
+        Their normal and their frictional part may each give where the other takes: what counts is both.
+        """
+        taken = self.impact + self.friction
+        back = float(np.max(np.maximum.accumulate(taken) - taken, initial=0.0))
+        return min(back, max(0.0, -float(np.min(self.impact, initial=0.0))))
+
+    @property
     def largest_remainder(self) -> float:
         """Largest absolute unexplained energy [J]; NaN if any is."""
         return float(np.max(np.abs(self.remainder), initial=0.0))
@@ -116,21 +147,48 @@ class Energies:
         return unexplained / scale if scale > 0.0 else float("inf")
 
 
-def lift_of(compiled: Any) -> float:
-    """Energy that lifts all bodies of a compiled scene by the size of the largest [J]; 0 where there is none."""
+def load_energy(compiled: Any) -> float:
+    """What weights and loads do over the size of the largest body [J], torques over a radian; 0 without a scene.
+
+    Of loads that are given in numbers, at their largest; functions of a user's count for nothing.
+    """
     if compiled is None:
         return 0.0
-    weight = compiled.model.bodies.mass.sum() * np.linalg.norm(compiled.model.loads.gravity)
-    return float(weight * compiled.size)
+    model, size = compiled.model, float(compiled.size)
+    loads = model.loads
+    total = size * float(model.bodies.mass.sum() * np.linalg.norm(loads.gravity))
+    for kind, signals in zip(loads.force_kind.tolist(), loads.force_signal.tolist(), strict=True):
+        largest = [_largest(model.signals, signal) for signal in signals if signal >= 0]
+        total += math.hypot(*largest) * (1.0 if kind >= TORQUE else size)
+    return total
+
+
+def held_energy(compiled: Any, times: FloatArray, impulse: FloatArray) -> float:
+    """The same, and what the mean forces of contacts would do: from it on down to rounding nothing has moved [J].
+
+    impulse: (m, nc, parts) of contacts since the start.
+    """
+    if compiled is None or not times.size or not times[-1] > times[0]:
+        return load_energy(compiled)
+    pressed = float(np.linalg.norm(impulse[-1], axis=-1).sum()) / float(times[-1] - times[0])
+    return load_energy(compiled) + float(compiled.size) * pressed
+
+
+def _largest(signals: Any, index: int) -> float:
+    """Largest size of a function of time that is given in numbers."""
+    first, last, kind = int(signals.first[index]), int(signals.last[index]), int(signals.kind[index])
+    if kind == HARMONIC:
+        return float(np.abs(signals.coefficients[first, :2]).sum())
+    return float(np.abs(signals.coefficients[first:last, 3]).max(initial=0.0)) if kind == PIECES else 0.0
 
 
 CREATED, GREW, UNEXPLAINED = "contact impulses created energy", "the energy grew by", "of energy are unexplained"
-NOT_FINITE = "the energies are no longer finite"
+NOT_FINITE, GAVE = "the energies are no longer finite", "impacts, which only take energy, gave"
 
 
-def is_of_energy(warning: str) -> bool:
-    """Whether a warning is one of those of :func:`energy_warnings` about energies."""
-    return any(words in warning for words in (CREATED, GREW, UNEXPLAINED, NOT_FINITE))
+def is_of_energy(text: str) -> bool:
+    """Whether a text is a warning of :func:`energy_warnings` about energies, or a clause of :func:`energy_doubts`."""
+    return any(words in text for words in (CREATED, GREW, UNEXPLAINED, NOT_FINITE, GAVE))
 
 
 def created(gain: tuple[float, float, float], cause: str) -> str:
@@ -146,12 +204,12 @@ def energy_warnings(
     steps: int,
     cause: str,
     tolerance: float = 0.0,
-    lift: float = 0.0,
+    held: float = 0.0,
 ) -> tuple[str, ...]:
     """What a reader must know before trusting the result.
 
     ``tolerance``: relative error of a step that was asked for; energies, which are squares, may err by twice that.
-    ``lift``: energy that lifts all bodies by their size [J]: what rests at the height 0 has no other to compare with.
+    ``held``: that of :func:`held_energy`: what rests has no other to compare with.
     """
     warnings = [] if complete else ["the run is incomplete"]
     if not energies.remainder.size:
@@ -159,23 +217,50 @@ def energy_warnings(
     scale = energies.scale
     if not np.isfinite(energies.remainder).all():
         return (*warnings, NOT_FINITE)
-    least = max(energies.rounding, ROUNDING * lift)
+    least = max(energies.rounding, ROUNDING * held)
     rounding = least * math.sqrt(max(steps, 1))  # that of all steps, at random
     accepted = 0.0
     if energy_growth is EnergyGrowth.ACCEPT:
         accepted = float(gain[0])
     elif gain[0] > max(GROWTH * scale, rounding):
         warnings.append(created(gain, cause))
-    growth = float(np.max(energies.stored - energies.work)) - float(energies.stored[0] - energies.work[0])
+    growth = energies.growth
     allowed = max(GROWTH, min(2.0 * tolerance, REMAINDER))
     if growth - accepted > max(allowed * scale, rounding):
         warnings.append(f"{GREW} {growth:.4g} J ({_part(growth, scale)} of the largest stored) without work of loads")
-    if energies.relative_remainder > REMAINDER and energies.largest_remainder > ROUNDING * lift:
+    if energies.relative_remainder > REMAINDER and energies.largest_remainder > ROUNDING * held:
         warnings.append(
             f"{energies.largest_remainder:.4g} J {UNEXPLAINED} ({energies.relative_remainder:.2g} of the "
             "largest stored): use a shorter step or tighter tolerances"
         )
     return tuple(warnings)
+
+
+def energy_doubts(
+    energies: Energies,
+    gain: tuple[float, float, float],
+    energy_growth: EnergyGrowth,
+    steps: int,
+    loads: float = 0.0,
+    held: float = 0.0,
+) -> tuple[str, ...]:
+    """Clauses: energy that came from nowhere, so that the result is not to be trusted.
+
+    More than REMAINDER of the largest of what was stored, of the work that was done, and of AT_REST times ``loads``,
+    that of :func:`load_energy` [J]: where nothing moves the stored energy is no measure. ``held``: as of
+    :func:`energy_warnings`. What contact impulses created is no doubt where the user accepts it.
+    """
+    if not np.isfinite(energies.remainder).all():
+        return ()
+    rounding = max(energies.rounding, ROUNDING * held) * math.sqrt(max(steps, 1))
+    unit = max(energies.scale, AT_REST * loads, float(np.max(np.abs(energies.work), initial=0.0)))
+    accepted = float(gain[0]) if energy_growth is EnergyGrowth.ACCEPT else 0.0
+    found = []
+    for value, what in ((energies.growth, f"{GREW} {{}} without work of loads"), (energies.given_back, f"{GAVE} {{}}")):
+        if value - accepted > max(REMAINDER * unit, rounding):
+            told = f"{value:.4g} J ({_part(value, unit)} of the largest energy stored or work done)"
+            found.append(what.format(told))
+    return tuple(found)
 
 
 def _part(value: float, scale: float) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from lcpflex.model.arrays import OPEN
 from lcpflex.results.contact_history import CLOSED
-from lcpflex.results.energy_balance import ROUNDING as ROUNDED, lift_of
+from lcpflex.results.energy_balance import ROUNDING as ROUNDED, held_energy
 from lcpflex.results.modal_coordinates import modal_coordinates
 from lcpflex.results.stated_error import error_shares, scene_size
 from lcpflex.steppers.scales import SUNK
@@ -51,7 +51,7 @@ def doubts(result: Result) -> tuple[str, ...]:
         found.append("the motion contains numbers that are not finite")
     found.extend(result.found_wrong)
     energies = result.energies
-    at_rest = ROUNDED * lift_of(result.compiled)  # of energies that stand in for each other, where nothing moves
+    at_rest = ROUNDED * held_energy(result.compiled, result.times, result.impulse)  # where nothing moves
     if not (energies.relative_remainder <= UNEXPLAINED or energies.largest_remainder <= at_rest):
         way = "gained" if energies.remainder.max(initial=0.0) >= energies.largest_remainder else "lost"
         found.append(

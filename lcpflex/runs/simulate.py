@@ -22,7 +22,14 @@ from lcpflex.dynamics.impact_laws import Newton
 from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
 from lcpflex.force_laws.friction.creep import crept
 from lcpflex.jit.background import expecting
-from lcpflex.results.energy_balance import Energies, EnergyGrowth, energy_warnings, lift_of
+from lcpflex.results.energy_balance import (
+    Energies,
+    EnergyGrowth,
+    energy_doubts,
+    energy_warnings,
+    held_energy,
+    load_energy,
+)
 from lcpflex.results.problem_log import ProblemLog, RecordProblems
 from lcpflex.results.result import Event, Result
 from lcpflex.results.stated_error import stated_errors
@@ -280,7 +287,8 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
     stepper, system, options = setup.stepper, setup.system, setup.options
     found = told(system, setup.compiled, setup.names, run.records, run.events)
     compiled, names, data, laws = found.compiled, found.names, found.data, found.laws
-    growth = _growth_cause(stepper, system)
+    growth, loads = _growth_cause(stepper, system), load_energy(compiled)
+    held = held_energy(compiled, data["times"], data["impulse"])
     energies = Energies.audit(*(data["energies"][:, i] for i in range(7)))
     controlled = not getattr(run, "fixed_step", 0.0)
     place_error, speed_error = stated_errors(found.model, run.records, found.rigid, data, run.steps, controlled)
@@ -308,7 +316,7 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
                 run.steps,
                 growth,
                 _tolerance(stepper),
-                lift_of(compiled),
+                held,
             ),
         ),
         complete=complete,
@@ -323,7 +331,10 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
         contact_names=names,
         compliant=run.records.compliant,
         crept=crept(laws, found.model.contacts.friction[: len(laws)], data["times"], state, data["force"]),
-        found_wrong=tuple(run.records.wrong()),
+        found_wrong=(
+            *run.records.wrong(),
+            *energy_doubts(energies, run.records.gain, options.energy_growth, run.steps, loads, held),
+        ),
         notes=(*(compiled.notes if compiled is not None else ()), *options.notes, *run.records.notes),
         place_error=place_error,
         speed_error=speed_error,

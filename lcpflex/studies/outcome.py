@@ -134,8 +134,8 @@ def warned(result: Result) -> list[str]:
     Meshes and modes too coarse for their contacts are no fault of a method, and energies are compared with criteria.
     """
     of_scene = scene_warnings(result)
-    own = [w for w in result.warnings if w not in of_scene and not is_of_energy(w) and not is_paradox(w)]
-    return [*own, *result.found_wrong]
+    own = [w for w in result.warnings if w not in of_scene and not is_paradox(w)]
+    return [text for text in (*own, *result.found_wrong) if not is_of_energy(text)]
 
 
 def judge_error(error: Exception, criteria: Criteria) -> Verdict:
