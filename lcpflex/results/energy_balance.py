@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.dynamics.applied_forces import TORQUE
+from lcpflex.dynamics.applied_forces import FOLLOWER, FORCE
 from lcpflex.dynamics.time_functions import HARMONIC, PIECES
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
@@ -28,6 +28,7 @@ __all__ = [
 
 GROWTH = 1e-4  # created energy, relative to the largest stored one, above which a result warns
 REMAINDER = 0.02  # unexplained energy, likewise; and energy that grew without work, above which a result is in doubt
+FORCES = FORCE, FOLLOWER  # of the plane and of space; other loads are torques
 AT_REST = 1e-3  # of what loads would do over the size of a body: where no more is stored, things rest
 ROUNDING = 1e-10  # stored energy below this, relative to the potential energy, cannot be told from rounding
 
@@ -159,7 +160,7 @@ def load_energy(compiled: Any) -> float:
     total = size * float(model.bodies.mass.sum() * np.linalg.norm(loads.gravity))
     for kind, signals in zip(loads.force_kind.tolist(), loads.force_signal.tolist(), strict=True):
         largest = [_largest(model.signals, signal) for signal in signals if signal >= 0]
-        total += math.hypot(*largest) * (1.0 if kind >= TORQUE else size)
+        total += math.hypot(*largest) * (size if kind in FORCES else 1.0)
     return total
 
 
