@@ -24,7 +24,7 @@ __all__ = ["THIN", "nodes_on_features"]
 THIN = 1e-9  # of the extent of a surface: planes between features are so thick
 SAME = 1e-9  # two facets whose normals differ by less are one
 FACING = 1e-9  # a node whose own outward normal has a larger component along that of a feature cannot touch it
-NONE = -1  # instead of a kind: no contact
+BARRED = -2  # instead of an axis: a node above a feature that it cannot touch; so it is outside
 
 
 @kernel
@@ -58,7 +58,7 @@ def dominated(
 
     ``gap`` of candidates is that of the centre of the node, ``normal`` in the frame of the features.
     """
-    if i == k:
+    if i == k or (table.along[i] == BARRED and (table.kind[k] != NODE_FACET or table.gap[k] >= 0.0)):
         return False
     count = len(model.contacts.feature_kind)
     f, g = table.key[k] % count, table.key[i] % count
@@ -83,6 +83,8 @@ def keep_contacts(
 ) -> int:  # fmt: skip
     """Of the candidates first..n of one node, keep the contacts with gap <= margin; returns the new count."""
     for k in range(first, n):
+        if table.along[k] == BARRED:
+            continue
         kept = table.gap[k] - table.radius[k, 0] - table.radius[k, 1] <= margin
         if kept and n > first + 1:
             for i in range(first, n):
@@ -110,7 +112,9 @@ def collect(
     """Candidates of one node with the features of surface b, at most ``highest`` above them; returns the new count.
 
     m: outward normal of the node, in the frame of the features, as its place. In passes of two sides a node touches
-    what its own facets face alone: a node within a flat face would catch the side of a body that slides over it.
+    what its own facets face alone: a node within a flat face would catch the side of a body that slides over it. Above
+    what it cannot touch a node is outside of the solid all the same, and is not deep below a facet of its far side: so
+    one on the rim of a flush face, which elastic displacements have brought beyond that of the other.
     """
     c = model.contacts
     facing = c.node_facing[node] if mode in (TWO_SIDED, NO_POINTS) else 0.0
@@ -132,11 +136,13 @@ def collect(
             found = over(model, q, frame, f, place, highest, thin)
             length = 1.0 if kind == FACET else found.distance
             least = facing if kind == FACET or length > thin else 0.0
-            if not found.owned or dot(m, found.away) > (FACING - least) * length:
+            barred = dot(m, found.away) > (FACING - least) * length
+            if not found.owned or (barred and found.distance <= thin):
                 continue
             if n < len(table.key):
                 chosen = NODE_FACET if kind == FACET else (NODE_EDGE if kind == EDGE else NODE_POINT)
                 load_node(model, table, n, law, chosen, node, f)
+                table.along[n] = BARRED if barred else -1
                 table.facing[n] = least
                 table.gap[n] = found.distance
                 for k in range(3):

@@ -6,7 +6,9 @@ outside place has one owner, and the least distance to a feature is that to the 
 facets alone, down to a depth; across a hollow side a facet goes on below the one that it meets there.
 
 The planes between features are those of the facets, and facets own what is on them, to a thickness that stands for
-rounding. Source: Ericson, Real-Time Collision Detection (2005), 5.1.
+rounding. Facets of a body that deforms own more below them: where a flat face is bent to a hollow, places below the
+side between two facets would be in neither, and deep below a facet of the far side. Source: Ericson, Real-Time
+Collision Detection (2005), 5.1.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from lcpflex.contact.spatial.kinds import EDGE, FACET
-from lcpflex.contact.spatial.narrow_phase.sides import Frame, place_in
+from lcpflex.contact.spatial.narrow_phase.sides import Frame, is_rigid, place_in
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import NOTHING, apart_from, dot, norm, scaled
@@ -40,6 +42,7 @@ class Over(NamedTuple):
 
 
 NOWHERE = Over(False, 0.0, NOTHING)
+SEAM = 0.05  # [rad] by which facets of one face, or of a bulge, are bent to a hollow that they hold together, at most
 
 
 @kernel
@@ -100,6 +103,8 @@ def over_facet(
     height = dot(n, apart_from(place, at.a))
     if height > far or height < -model.contacts.feature_depth[f]:
         return NOWHERE
+    if height < 0.0 and not is_rigid(model.points, model.contacts.feature_point[f, 0]):
+        thin -= SEAM * height
     beside = model.contacts.feature_neighbour
     g, h, i = beside[f, 0], beside[f, 1], beside[f, 2]
     x = beyond_side(at.b, at.c, n, place)
