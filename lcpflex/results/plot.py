@@ -49,12 +49,14 @@ def draw(
     ``axes`` draws into axes of your own.
 
     Spatial scenes are seen in parallel projection: bodies with light and a shadow straight below them, on a floor
-    that lies just under the lowest point and is no part of the scene; joints as circles, those with a sliding
-    direction as squares, with a triangle below where they hold to the ground, fainter behind other bodies. A body
-    without a shape is the homogeneous ellipsoid of its inertia, with lines to what holds it. Planes of the ground
-    that are not level are translucent. Arrows of forces are in front of all, and are shorter where they point to or
-    from the camera. view: elevation and azimuth of the camera [deg]. frames: with the axes of all bodies, x red, y
-    green, z blue. scale: times that deformations are drawn larger.
+    that is the highest level plane of the ground below them, and without one near them lies just under the lowest
+    point and is no part of the scene; joints as circles, those with a sliding direction as squares, with a triangle
+    below where they hold to the ground, fainter behind other bodies. A body without a shape and without surfaces is the
+    homogeneous ellipsoid of its inertia; lines go from its mass centre to what holds it. Surfaces on bodies and, in
+    grey, on the ground are drawn as they are, of what is much larger than the scene what is near; other planes of the
+    ground are translucent. Arrows of forces are in front of all, and are shorter where they point to or from the
+    camera. view: elevation and azimuth of the camera [deg]. frames: with the axes of all bodies, x red, y green, z
+    blue. scale: times that deformations are drawn larger.
 
     Raises ModelError for a time outside the simulation and for systems without a scene.
     """

@@ -297,7 +297,8 @@ class Scene:
         Warns
         -----
         ModelWarning
-            Where a body with modes gives way too little at a joint, load or contact: see ``CompiledScene.warnings``.
+            Where a body with modes gives way too little at a joint, load or contact, and of what :meth:`contact_all`
+            leaves out: see ``CompiledScene.warnings``.
         """
         if indents is not None and (isinstance(indents, type) or not callable(indents)):
             raise ModelError(f"indents: {shown(indents)} was given, expected a function of the name of a contact")
