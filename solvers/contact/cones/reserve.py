@@ -127,11 +127,28 @@ def all_inside(p: MixedProblem, t: float) -> bool:
 
 
 @kernel
+def changing(p: MixedProblem, c: int, free: int) -> int:
+    """The coefficients that change what contact c is inside by, to ``p.member``, t as the last one; how many.
+
+    Few of many: forces that nothing determines are mostly those of one pair of bodies.
+    """
+    j, B, count = p.at[c], p.basis, 0
+    for a in range(free):
+        if B[c, a] != 0.0 or (j >= 0 and (B[j, a] != 0.0 or B[j + 1, a] != 0.0)):
+            p.member[count] = a
+            count += 1
+    p.member[count] = free
+    return count + 1
+
+
+@kernel
 def add_contact(p: MixedProblem, c: int, t: float, free: int) -> None:
     """Gradient, to ``p.step``, and second derivatives, to ``p.jacobian``, of -log(inside) of contact c."""
     j, v, B, H = p.at[c], inside(p, c, t), p.basis, p.jacobian
     press = p.x[c] + t
-    for a in range(free + 1):  # the last coefficient is t
+    count = changing(p, c, free)
+    for number in range(count):
+        a = p.member[number]
         n_a = B[c, a] if a < free else 1.0
         g_a, first, second = n_a, 0.0, 0.0
         if j >= 0:
@@ -140,7 +157,8 @@ def add_contact(p: MixedProblem, c: int, t: float, free: int) -> None:
             g_a = 2.0 * (press * n_a - (p.x[j] * first + p.x[j + 1] * second) / p.friction[c])
         p.trial[a] = g_a / v
         p.step[a] -= g_a / v
-        for b in range(a + 1):
+        for other in range(number + 1):
+            b = p.member[other]
             h = p.trial[a] * p.trial[b]
             if j >= 0:
                 n_b = B[c, b] if b < free else 1.0
