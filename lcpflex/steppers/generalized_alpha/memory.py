@@ -96,6 +96,7 @@ class AlphaScheme:
     approach: float  # fastest one of a pair that closed [m/s]
     struck_at: float  # how deep it was [m]
     stopped: float  # fastest approach stopped [m/s]
+    left: float  # speed of contacts that the last velocity problem was to stop, in space [m/s]
     phase: int  # RESTART, SMOOTH, POSITION or VELOCITY: what is solved next
     turn: int  # passes of the present problem
     skip: int

@@ -231,6 +231,16 @@ def slips_anew(work: Workspace, scheme: AlphaScheme) -> bool:
     return False
 
 
+@in_space("lcpflex.steppers.spatial.alpha")
+@kernel
+def speed_left(model: Model, work: Workspace, scheme: AlphaScheme) -> float:
+    """Speed of contacts that the velocity problem was to stop, at the velocity ``work.free_u`` [m/s].
+
+    In the plane none: problems are solved to rounding there, which ``velocity_threshold`` is above.
+    """
+    return 0.0
+
+
 @kernel
 def struck(work: Workspace, scheme: AlphaScheme) -> bool:
     """Whether a contact carries that did not rest."""
@@ -276,6 +286,7 @@ def apply_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme,
     for r in range(n_joint):
         recorder.counts.worst_drift = max(recorder.counts.worst_drift, abs(work.residual[r]))
     note_penetration(work, scheme, recorder)
+    scheme.left = speed_left(model, work, scheme)
     jumps = broken(work, scheme)
     note_ends(model, scheme.step, recorder.reactions)
     note_impulses(model, work, struck(work, scheme), recorder.reactions)

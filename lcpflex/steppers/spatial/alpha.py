@@ -30,7 +30,7 @@ from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.generalized_alpha.memory import POSITION, hold
 from lcpflex.steppers.generalized_alpha.smooth import add_row
 from lcpflex.steppers.island_problems import solve_island, solve_islands
-from lcpflex.steppers.recorder import Recorder
+from lcpflex.steppers.recorder import INSIDE, Recorder
 from lcpflex.steppers.spatial.island_problems import keep_island
 from lcpflex.steppers.spatial.records import friction_vector
 from lcpflex.steppers.spatial.sets import solve_on_sets
@@ -44,8 +44,10 @@ __all__ = [
     "same_node",
     "slips_anew",
     "solve_problems",
+    "speed_left",
 ]
 
+LEFT = 1e-6  # of the terms of a free velocity: what answers that count as solved may leave of it
 FROZEN = 5  # passes after which the direction of slip that comes to a stop is left as it is
 
 
@@ -53,6 +55,7 @@ FROZEN = 5  # passes after which the direction of slip that comes to a stop is l
 def gather_resting(model: Any, work: SpatialWork, scheme: Any) -> int:
     """Contacts closed at rest at the start of the step, with their modes; returns how many pairs are closed."""
     q, u = scheme.q, scheme.u
+    slow = max(scheme.velocity_threshold, 2.0 * scheme.left)  # open contacts have as much from the same answer
     scheme.n_found = 0
     found = detect(model, q, scheme.gap_tolerance, work.table)
     if found == 0 or found > len(work.table.key):
@@ -62,13 +65,13 @@ def gather_resting(model: Any, work: SpatialWork, scheme: Any) -> int:
     kept, j = 0, 0
     for k in range(found):
         frictional = j < n_tangent and work.tangent[j] == k
-        if abs(row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u)) <= scheme.velocity_threshold:
+        if abs(row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u)) <= slow:
             mode = FRICTIONLESS
             if frictional:
                 r = n_joint + found + j
                 first = row_velocity(work.rows, work.row_body, r, work.dof, u)
                 second = row_velocity(work.rows, work.row_body, r + 1, work.dof, u)
-                mode = STICKING if math.hypot(first, second) <= scheme.velocity_threshold else SLIDING
+                mode = STICKING if math.hypot(first, second) <= slow else SLIDING
             copy_entry(work.table, k, work.table, kept)
             scheme.sets.mode[kept] = mode
             kept += 1
@@ -246,6 +249,33 @@ def same_node(table: SpatialContactTable, k: int, other: SpatialContactTable, i:
 
 
 @kernel
+def speed_left(model: Any, work: SpatialWork, scheme: Any) -> float:
+    """Speed of contacts that the velocity problem was to stop, at the velocity ``work.free_u`` [m/s].
+
+    Solvers leave a part of the free velocities, of which those of stiff modes may be far larger than all others. So
+    contacts of a held flexible body would not rest at 7e-9 m/s, fall out of the smooth motion, and let go of the body.
+    """
+    n, first, contacts, u = work.n_contacts, work.n_joint + work.n_contacts, model.contacts, work.free_u
+    left = 0.0
+    for k in range(n):
+        r, j, law, rested = work.n_joint + k, work.tangent_of[k], work.table.law[k], scheme.matched[k] >= 0
+        if not work.p[r] > 0.0:
+            continue
+        if rested or contacts.restitution[law] == 0.0:
+            left = max(left, min(abs(row_velocity(work.rows, work.row_body, r, work.dof, u)), LEFT * work.terms[k]))
+        if j < 0 or not (rested or contacts.tangential_restitution[law] == 0.0):
+            continue
+        s = first + j
+        if math.hypot(work.p[s], work.p[s + 1]) < INSIDE * work.mu[k] * work.p[r]:
+            slip = math.hypot(
+                row_velocity(work.rows, work.row_body, s, work.dof, u),
+                row_velocity(work.rows, work.row_body, s + 1, work.dof, u),
+            )
+            left = max(left, min(slip, LEFT * (work.terms[n + j] + work.terms[n + j + 1])))
+    return left
+
+
+@kernel
 def slips_anew(work: SpatialWork, scheme: Any) -> bool:
     """Whether a contact that slid has come to rest, or has turned against its slip, at the velocity ``work.free_u``."""
     for k in range(work.n_contacts):
@@ -256,7 +286,7 @@ def slips_anew(work: SpatialWork, scheme: Any) -> bool:
         first = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
         second = row_velocity(work.rows, work.row_body, r + 1, work.dof, work.free_u)
         x, y = resting_friction(work, scheme, k)
-        if math.hypot(first, second) <= scheme.velocity_threshold:
+        if math.hypot(first, second) <= max(scheme.velocity_threshold, 2.0 * scheme.left):
             return True
         if first * x + second * y > 0.0:
             return True
