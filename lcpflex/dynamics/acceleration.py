@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.contact.narrow_phase.feature import refresh
+from lcpflex.contact.table import ContactTable
 from lcpflex.dynamics.contact_forces import add_contact_forces
 from lcpflex.dynamics.contact_problem import fits, lay_contacts, pose_island
 from lcpflex.dynamics.delassus import apply_impulses, free_velocities, row_velocity
@@ -108,6 +109,12 @@ def contact_sets(capacity: int, dense: int | None = None, in_space: bool = False
     return allocate(ContactSets, {"contacts": capacity, "dense": room, "rows": 2 * room})
 
 
+@in_space("lcpflex.contact.spatial.manifold.renewal")
+@kernel
+def renew_weights(model: Model, q: FloatArray, n: int, table: ContactTable) -> None:
+    """Weights by which the first n entries share loads, at q; in the plane there are none."""
+
+
 @kernel
 def lay_rows(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work: Workspace, sets: ContactSets) -> None:
     """Rows of joints and of the first n contacts at q, their A^-1 rows and their Delassus operator."""
@@ -118,6 +125,7 @@ def lay_rows(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
         joint_rows(model, t, q, u, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias)
     for k in range(n):
         refresh(model, q, work.table, k)
+    renew_weights(model, q, n, work.table)
     n_tangent = fill_contact_rows(model, q, n, n_joint, work)
     solve_rows(model, work, 0, n_joint + n + n_tangent)
     work.n_joint = n_joint
