@@ -259,8 +259,8 @@ def shorten(sets: ContactSets, rank: int, m: int) -> None:
 
 
 @kernel
-def solve_consistent(sets: Any, m: int) -> None:
-    """solution = -reduced^-1 right, the shortest one (scaled to a unit diagonal) where rows are dependent."""
+def solve_consistent(sets: Any, m: int) -> int:
+    """solution = -reduced^-1 right, the shortest one (scaled to a unit diagonal) where rows are dependent; the rank."""
     a = sets.reduced
     b = sets.right
     for i in range(m):
@@ -280,6 +280,7 @@ def solve_consistent(sets: Any, m: int) -> None:
     for k in range(m):
         i = sets.order[k]
         sets.solution[i] = b[k] * sets.scale[i]
+    return rank
 
 
 @in_space("lcpflex.dynamics.spatial.acceleration")

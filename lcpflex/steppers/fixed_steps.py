@@ -173,4 +173,4 @@ class FixedSteps:
 
     def remarks(self) -> tuple[list[str], list[str]]:
         """Warnings and notes of the run so far."""
-        return self.stepping.remarks(self.clock.steps), []
+        return self.stepping.remarks(self.clock.steps), self.stepping.notes()

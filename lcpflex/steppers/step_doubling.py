@@ -232,7 +232,7 @@ class StepDoubling:
     def remarks(self) -> tuple[list[str], list[str]]:
         """Warnings and notes of the run so far."""
         warnings = [*self.stepping.remarks(), *self._pace.warnings(self.clock)]
-        return warnings, stopped_note(self._limits, self.clock)
+        return warnings, [*stopped_note(self._limits, self.clock), *self.stepping.notes()]
 
 
 def _twin(scheme: Any) -> Any:

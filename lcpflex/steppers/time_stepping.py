@@ -21,6 +21,7 @@ from lcpflex.steppers.not_finite import not_finite
 from lcpflex.steppers.options import CONTINUE, RAISE
 from lcpflex.steppers.records import Records
 from lcpflex.steppers.several_motions import SeveralMotions
+from lcpflex.steppers.shared_loads import shared_loads
 from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.step_error import carried
 from lcpflex.steppers.system import System
@@ -162,6 +163,10 @@ class TimeStepping:
             *self._rescue.remarks(name),
             *unsolved_remarks(self.records.recorder.counts, steps),
         ]
+
+    def notes(self) -> list[str]:
+        """What a reader may want to know of the run so far."""
+        return shared_loads(self.system.model, self.work, self.system.contact_name)
 
     def trouble(self, status: int, number: int, time: float) -> str:
         """Why a loop that returned ``status`` cannot go on at ``time`` [s]; empty where it can after all."""

@@ -9,7 +9,8 @@ a world vector: that in which the problem of accelerations lets it begin to slid
 has just begun, it is kept up to a thousand thresholds: slip that grows as slowly as the load turns at the rate
 mu g / |gamma| into its direction, and steps that follow that were many and short.
 
-Contacts that stick are bilateral in both tangents. Where they share a load in many ways, their forces are the shortest.
+Contacts that stick are bilateral in both tangents. Where they share a load in many ways, their forces are the shortest;
+where some of them slide, those of :mod:`lcpflex.solvers.contact.cones.shares`, as the motion depends on them.
 Where the shortest break Coulomb's law, although others do not, they are those nearest to a reference that was chosen at
 the last event as far inside the law as there is (:mod:`lcpflex.solvers.contact.cones.reserve`), in the norm
 sum x_N^2 / lambda_N + |x_T|^2 / (mu lambda_N) of that reference: contacts that carry more take more.
@@ -25,6 +26,7 @@ from lcpflex.dynamics.delassus import delassus, row_velocity
 from lcpflex.dynamics.impulse import answer_joints
 from lcpflex.dynamics.joint_response import condense
 from lcpflex.dynamics.spatial.inertia import SpatialWork
+from lcpflex.dynamics.spatial.shared_sets import share_sets, slides
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.kinematics.spatial.rotations import Vector, cross
@@ -280,7 +282,10 @@ def solve_sets(work: SpatialWork, sets: SpatialContactSets, level: int) -> None:
             refer(work, sets, m)
             solve_nearest(work, sets, m)
         else:
-            solve_consistent(sets, m)
+            rank = solve_consistent(sets, m)
+            if rank < m and level == FORCE and slides(work, sets):
+                reduce_sets(work, sets)
+                share_sets(work, sets, m)
         spread(work, sets, sets.solution)
         if level == FORCE:
             note_misses(work, sets)

@@ -1,8 +1,9 @@
 """Undetermined forces in space: of all with the same effect, those nearest to the least ones in their cones.
 
-A box on four corners is held by many sets of forces. In units of the contacts, the least set r_0 solves W r = W p for
-the forces p that were found; conjugate gradients that begin from nothing stay in the range of W and come to it. Where
-r_0 leaves a cone, p goes towards it as far as all cones let it. Source: Hestenes & Stiefel 1952.
+A box on four corners is held by many sets of forces. In units of the contacts, times the roots of their weights, the
+least set r_0 solves W r = W p for the forces p that were found; conjugate gradients that begin from nothing stay in the
+range of W and come to it. Where r_0 leaves a cone, p goes towards it as far as all cones let it. Source: Hestenes &
+Stiefel 1952.
 """
 
 from __future__ import annotations
@@ -15,11 +16,12 @@ from lcpflex.dynamics.spatial.delassus import push, speeds
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, kernel
 
-__all__ = ["shorten_island"]
+__all__ = ["shorten_island", "way_in_cone"]
 
 EXACT, ENOUGH = 1e-15, 1e-11  # of what the forces do: what is left of it where the iteration ends, and may be left
 TOUCHING = 1e-8  # of the free velocities: contacts that open faster carry nothing
 MOST = 3  # iterations for each unknown
+LIGHTEST = 1e-8  # of the largest weight: less gets no less, being nothing
 
 
 @kernel
@@ -56,6 +58,20 @@ def mark_touching(work: SpatialWork, i: int) -> bool:
 
 
 @kernel
+def weigh(work: SpatialWork, i: int) -> None:
+    """The units of the contacts of island i times the roots of their weights, over that of the largest."""
+    unit, contact, weight, first = work.solver.unit, work.islands.contact, work.table.weight, work.islands.start[i]
+    n = work.islands.start[i + 1] - first
+    largest = 0.0
+    for c in range(n):
+        largest = max(largest, weight[contact[first + c]])
+    for c in range(n):
+        own = weight[contact[first + c]]
+        if own != largest:
+            unit[c] *= math.sqrt(max(own / largest, LIGHTEST))
+
+
+@kernel
 def shorten_island(work: SpatialWork, i: int) -> None:
     """Shorten the forces ``work.p`` of island i, which has no joints, where nothing slips."""
     memory, p, contact, n_joint = work.solver, work.p, work.islands.contact, work.n_joint
@@ -64,6 +80,7 @@ def shorten_island(work: SpatialWork, i: int) -> None:
     least, left, ahead, moved = memory.force, memory.aside, memory.velocity, memory.sums
     if not mark_touching(work, i):
         return
+    weigh(work, i)
     for r in range(len(work.bias)):
         work.bias[r] = 0.0
     for c in range(n):

@@ -49,6 +49,7 @@ from lcpflex.steppers.options import keep_solver
 from lcpflex.steppers.records import Records
 from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import given_or, scales_of
+from lcpflex.steppers.shared_loads import shared_loads
 from lcpflex.steppers.state_numbers import tolerance_of_numbers
 from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.system import System
@@ -227,7 +228,8 @@ class EventDrivenSteps:
             *self._thresholds.remarks(self.system.contact_name),
             *self._rescue.remarks(self.system.contact_name),
         ]
-        return warnings, shared_load(self.clock, self.system.contact_name)
+        name = self.system.contact_name
+        return warnings, [*shared_load(self.clock, name), *shared_loads(self.system.model, self._work, name)]
 
     def _overlap(self) -> list[str]:
         deepest = self.clock.deepest

@@ -15,6 +15,7 @@ from lcpflex.dynamics.spatial.cone_sweeps import judge_island, sweep_island
 from lcpflex.dynamics.spatial.contact_problem import describe_island, has_joints, pose_island, take_forces
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.least_cones import shorten_island
+from lcpflex.dynamics.spatial.shared_loads import share_loads
 from lcpflex.jit.kernel import kernel, late_kernel
 from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, solve_cones
 from lcpflex.solvers.contact.cones.large.solving import ROOM, solve_large_cones
@@ -180,6 +181,7 @@ def solve_island(work: SpatialWork, i: int, tolerance: float, warm: bool, record
         begin_island(work, i, warm)
         if memory.method != POSED and work.lifted == 0:
             if not has_joints(work, i) and solve_in_bodies(work, i):
+                share_loads(work, i, False)
                 return go_on(work, i, True, recorder)
             if is_large(work, i):
                 status = solve_large(work, i, warm)
@@ -189,6 +191,8 @@ def solve_island(work: SpatialWork, i: int, tolerance: float, warm: bool, record
                     return go_on(work, i, status == RunStatus.DONE, recorder)
     status = solve_posed(work, i, tolerance)
     if status == RunStatus.DONE:
+        if memory.method != POSED and work.lifted == 0:
+            share_loads(work, i, True)
         note_certificate(work, recorder)
     return status
 

@@ -24,6 +24,7 @@ from lcpflex.dynamics.spatial.acceleration import (
     spread,
 )
 from lcpflex.dynamics.spatial.inertia import SpatialWork
+from lcpflex.dynamics.spatial.shared_sets import share_mixed
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import OPEN
 from lcpflex.solvers.contact.cones.ambiguity import several_forces
@@ -143,6 +144,7 @@ def solve_on_sets(
     solver.residual = solve_mixed(problem, tolerance)
     if work.shifted == 0 and prefer_rest(work, sets):
         solver.residual = judge_mixed(problem, problem.r)
+    solver.residual = share_mixed(work, sets, tolerance, solver.residual)
     solver.strict = problem.strict
     solver.size = problem.m
     solver.iterations = problem.iterations
@@ -202,7 +204,8 @@ def at_edge(work: SpatialWork, sets: SpatialContactSets, c: int) -> None:
 def read_sets(work: SpatialWork, memory: Any) -> None:
     """What each contact of the island just solved does: see the plane.
 
-    Those at rest that share a load in many ways stick as long as any forces keep them all inside Coulomb's law.
+    Those at rest that share a load in many ways stick as long as any forces keep them all inside Coulomb's law. One
+    that has no share of a load that slides stays in its set: it may get one, and no event would tell.
     """
     sets = memory.sets
     problem, x = sets.problem, sets.problem.r
@@ -213,7 +216,8 @@ def read_sets(work: SpatialWork, memory: Any) -> None:
         if work.G[c, c] > 0.0:
             largest = max(largest, abs(sets.free[c]) / work.G[c, c])
     for c in range(problem.n):
-        sets.kept[work.part[c]] = 0 if x[c] <= CARRIES * largest else 1
+        idle = work.solver.shares.idle[c] == 1 and sets.at[c] < 0 and rests(sets, c)
+        sets.kept[work.part[c]] = 0 if x[c] <= CARRIES * largest and not idle else 1
     reserve = share_load(work, sets, scale)
     others = False
     for c in range(problem.n):

@@ -34,6 +34,7 @@ __all__ = [
     "SWEEPS",
     "is_settled",
     "solve_cones",
+    "sweep_on",
     "weigh_forces",
 ]
 

@@ -11,6 +11,7 @@ from typing import Any, cast
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.solvers.contact.cones.newton import ConeWork, cone_work
+from lcpflex.solvers.contact.cones.shares import Shares, shares
 from lcpflex.solvers.contact.recollection import fill_slots
 
 __all__ = [
@@ -83,6 +84,7 @@ class SpatialSolverMemory:
     alike_free: FloatArray = array("rows")
     alike_force: FloatArray = array("rows")
     newton: ConeWork
+    shares: Shares
 
 
 @struct
@@ -115,10 +117,11 @@ def cone_memory(
     """
     rows = 3 * (capacity if dense is None else dense)
     sizes = {"contacts": capacity, "triples": 3 * capacity, "rows": rows, "ndof": ndof}
-    memory = allocate(SpatialSolverMemory, sizes, newton=cone_work(rows // 3))
+    memory = allocate(SpatialSolverMemory, sizes, newton=cone_work(rows // 3), shares=shares(capacity, rows, ndof))
     memory.tolerance = TOLERANCE
     if before is not None:
         memory.method, memory.known, memory.tolerance = before.method, before.known, before.tolerance
+        memory.shares.told = before.shares.told
     return memory
 
 

@@ -14,7 +14,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.solvers.contact.cones.local import NONE, solve_cone
 from lcpflex.solvers.contact.cones.mixed_problem import LOOK_BACK, MixedProblem, fill_units, judge_mixed
 
-__all__ = ["solve_mixed"]
+__all__ = ["polish_mixed", "solve_mixed"]
 
 EXACT = 1e-14  # of the terms: nothing is gained below
 SWEEPS, MORE_SWEEPS = 20, 2000
@@ -310,4 +310,17 @@ def solve_mixed(p: MixedProblem, tolerance: float) -> float:
         known = keep_better(p, known)
     for i in range(p.m):
         p.r[i] = p.best[i]
+    return judge_mixed(p, p.r)
+
+
+@kernel
+def polish_mixed(p: MixedProblem) -> float:
+    """Newton's method from the forces p.r; their residual."""
+    load = 0.0
+    for i in range(p.m):
+        load = max(load, p.unit[i] * abs(p.q[i]))
+    begin_from(p, p.r)
+    newton(p, EXACT * load)
+    for i in range(p.m):
+        p.r[i] = p.unit[i] * p.x[i]
     return judge_mixed(p, p.r)
