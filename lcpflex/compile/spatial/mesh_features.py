@@ -20,6 +20,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 __all__ = ["mesh_features", "node_facings", "node_normals"]
 
 STRAIGHT = 1e-9  # [rad] an edge of smaller turn is flat
+ON_SIDE = 1e-9  # of the square of its length: a ray that misses the side of a facet by a smaller area meets that
 BENT = 0.2  # [rad] on a flexible body, a hollow edge of smaller turn may be bent to a bulge
 
 
@@ -154,7 +155,8 @@ def inward_ways(corners: FloatArray, normals: FloatArray, ways: FloatArray) -> N
                 py = oy + t * dy - corners[g, k, 1]
                 pz = oz + t * dz - corners[g, k, 2]
                 cx, cy, cz = ey * pz - ez * py, ez * px - ex * pz, ex * py - ey * px
-                if cx * normals[g, 0] + cy * normals[g, 1] + cz * normals[g, 2] < 0.0:
+                area = cx * normals[g, 0] + cy * normals[g, 1] + cz * normals[g, 2]
+                if area < -ON_SIDE * (ex * ex + ey * ey + ez * ez):
                     inside = False
             if inside:
                 ways[f] = t
