@@ -23,9 +23,12 @@ __all__ = [
     "CAPSULE",
     "CODES",
     "CONVEX",
+    "CORNERS",
     "CYLINDER",
     "EDGED",
     "EDGES",
+    "MESH",
+    "MESHES",
     "NO_POINTS",
     "POLYHEDRON",
     "RANKS",
@@ -76,14 +79,15 @@ TOUCHES = np.array([[b in TOUCHED.get(a, ()) for b in SpatialKind] for a in Spat
 WITH_EDGES = (SpatialKind.CAPSULE, SpatialKind.POLYHEDRON, SpatialKind.MESH)
 EDGED = tuple(kind in WITH_EDGES for kind in SpatialKind)  # by their codes, those that touch each other with edges
 CAPSULE, CYLINDER = CODES[SpatialKind.CAPSULE], CODES[SpatialKind.CYLINDER]
-POLYHEDRON = CODES[SpatialKind.POLYHEDRON]
+POLYHEDRON, MESH = CODES[SpatialKind.POLYHEDRON], CODES[SpatialKind.MESH]
 ON_CYLINDER = (SpatialKind.CAPSULE, SpatialKind.CYLINDER)
 RIMMED = (SpatialKind.CYLINDER, SpatialKind.RIM)  # those that touch with circles
 RIM_POINTS = 8  # of each rim, on which a cylinder or disc stands
 # what a pass looks at: nodes against all, against all but points; edges; nodes against all. Of the second and the last,
 # the nodes of the other surface and the edges of both are looked at, too: what a node stands for is itself alone
-# CONVEX: all of two convex bodies, whichever is the node side
-ALL_FEATURES, NO_POINTS, EDGES, TWO_SIDED, CONVEX = range(5)
+# CONVEX: all of two convex bodies, MESHES: of other surfaces of triangles, whichever is the node side; CORNERS, within
+# that: nodes where sharp edges end, against all
+ALL_FEATURES, NO_POINTS, EDGES, TWO_SIDED, CONVEX, MESHES, CORNERS = range(7)
 
 
 class Pass(NamedTuple):
@@ -154,8 +158,9 @@ class SpatialSurface:
 def passes_of(kinds: tuple[int, int], deform: bool, points: tuple[int, int]) -> tuple[Pass, ...]:
     """What is looked at between two surfaces, by the codes of their kinds and the numbers of their points.
 
-    Of two node sides: both, and edges against edges. But where one of them deforms, the finer one alone, that with more
-    points: two meshes that touch with the nodes of both have each force shared in a way nothing determines.
+    Of two node sides: both, and edges against edges. But where one of them deforms, of the coarser one, that with fewer
+    points, the outline alone, of a capsule nothing: two meshes that touch with all nodes of both have each force shared
+    in a way nothing determines, while the patch ends where a rim is over a face of the finer one.
     """
     first = 0 if RANKS[kinds[0]] <= RANKS[kinds[1]] else 1
     other = 1 - first
@@ -165,6 +170,8 @@ def passes_of(kinds: tuple[int, int], deform: bool, points: tuple[int, int]) -> 
         return (Pass(other, first),)
     if kinds[first] == CAPSULE and kinds[other] == CYLINDER:
         return Pass(first, other), Pass(first, other, EDGES)
+    if MESH in kinds and kinds[first] in (POLYHEDRON, MESH) and kinds[other] in (POLYHEDRON, MESH):
+        return (Pass(first, other, MESHES),)
     if not (TOUCHES[kinds[other], kinds[first]] and EDGED[kinds[0]] and EDGED[kinds[1]]):
         return (Pass(first, other),)
     if deform:

@@ -14,6 +14,7 @@ import numpy as np
 from lcpflex.bodies.spatial.surface import SpatialSurface
 from lcpflex.compile.spatial.features import Feature
 from lcpflex.contact.spatial.kinds import EDGE, FACET, POINT
+from lcpflex.contact.spatial.mesh_pairs import BENT
 from lcpflex.contact.spatial.narrow_phase.edges import TILT
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
@@ -21,7 +22,6 @@ __all__ = ["mesh_features", "node_facings", "node_normals"]
 
 STRAIGHT = 1e-9  # [rad] an edge of smaller turn is flat
 ON_SIDE = 1e-9  # of the square of its length: a ray that misses the side of a facet by a smaller area meets that
-BENT = 0.2  # [rad] on a flexible body, a hollow edge of smaller turn may be bent to a bulge
 
 
 def mesh_features(surface: SpatialSurface, indices: Sequence[int], first: int) -> list[Feature]:

@@ -33,7 +33,7 @@ from lcpflex.kinematics.spatial.vectors import (
 )
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["edges_on_edges"]
+__all__ = ["Wedge", "edges_on_edges", "in_wedge", "out_by_its_end", "seen_in", "sense_of", "wedge_of"]
 
 
 class Wedge(NamedTuple):

@@ -2,14 +2,19 @@
 
 A node is a material point with a radius. The nearest feature tells whether it is in the solid, and which is the way
 out: a node below a facet has no contact with that if another feature is nearer, or another facet, below which it is,
-too; but those of a hollow hold it together.
+too; but those of a hollow hold it together. Of two facets that face alike, the one that owns it counts before one that
+it is beside, within the band of two meshes.
 """
 
 from __future__ import annotations
 
-from lcpflex.bodies.spatial.surface import NO_POINTS, TWO_SIDED
+import math
+
+from lcpflex.bodies.spatial.surface import ALL_FEATURES, CORNERS, NO_POINTS
 from lcpflex.contact.spatial.entries import load_node
 from lcpflex.contact.spatial.kinds import EDGE, FACET, POINT
+from lcpflex.contact.spatial.mesh_pairs import BLUNT, TURNED, are_meshes, band_between, deforms
+from lcpflex.contact.spatial.narrow_phase.edges import TILT
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, frame_of, place_in, seen_from, world_place
 from lcpflex.contact.spatial.ownership import corners_of, facet_normal, over
 from lcpflex.contact.spatial.pairs import locate
@@ -23,6 +28,7 @@ __all__ = ["THIN", "nodes_on_features"]
 
 THIN = 1e-9  # of the extent of a surface: planes between features are so thick
 SAME = 1e-9  # two facets whose normals differ by less are one
+ALIKE = math.cos(TILT)  # between the normals of facets that face alike
 FACING = 1e-9  # a node whose own outward normal has a larger component along that of a feature cannot touch it
 BARRED = -2  # instead of an axis: a node above a feature that it cannot touch; so it is outside
 
@@ -56,18 +62,22 @@ def dominated(
 ) -> bool:
     """Whether what a node has with the feature of candidate k is no contact because of what it has with that of i.
 
-    ``gap`` of candidates is that of the centre of the node, ``normal`` in the frame of the features.
+    ``gap`` of candidates is that of the centre of the node, ``normal`` in the frame of the features; the first number
+    of their ``foot`` tells how far the node is beside a facet that has it by its band.
     """
     if i == k or (table.along[i] == BARRED and (table.kind[k] != NODE_FACET or table.gap[k] >= 0.0)):
         return False
     count = len(model.contacts.feature_kind)
     f, g = table.key[k] % count, table.key[i] % count
     d, e = table.gap[k], table.gap[i]
+    beside, other = table.foot[k, 0], table.foot[i, 0]
     if table.kind[k] != NODE_FACET:
-        return table.kind[i] == NODE_FACET and e >= -thin and touch_each_other(model, f, g)
+        return table.kind[i] == NODE_FACET and (e >= -thin or other > 0.0) and touch_each_other(model, f, g)
     if table.kind[i] != NODE_FACET:
-        return d < -thin and e < -d
+        return beside == 0.0 and d < -thin and e < -d
     n, m = row_vector(table.normal, k), row_vector(table.normal, i)
+    if beside != other and dot(n, m) > ALIKE:
+        return other < beside
     away = apart_from(n, m)
     if dot(away, away) <= SAME * SAME and abs(d - e) <= thin:
         return i < k
@@ -107,18 +117,22 @@ def keep_contacts(
 @kernel
 def collect(
     model: SpatialModel, q: FloatArray, highest: float, table: SpatialContactTable, frame: Frame, b: int, law: int,
-    node: int, place: Vector, m: Vector, mode: int, n: int, thin: float,
+    node: int, place: Vector, m: Vector, facing: float, mode: int, n: int, thin: float, band: float,
 ) -> int:  # fmt: skip
     """Candidates of one node with the features of surface b, at most ``highest`` above them; returns the new count.
 
+<<<<<<< HEAD
     m: outward normal of the node, in the frame of the features, as its place. In passes of two sides a node touches
     what its own facets face alone: a node within a flat face would catch the side of a body that slides over it. Above
     what it cannot touch a node is outside of the solid all the same, and is not deep below a facet of its far side: so
     one on the rim of a flush face, which elastic displacements have brought beyond that of the other.
+=======
+    m: outward normal of the node, in the frame of the features, as its place; ``facing``: how far they face it at
+    least.
+>>>>>>> bd66184d (contact: faces of meshes hold each other at any offset)
     """
     c = model.contacts
-    facing = c.node_facing[node] if mode in (TWO_SIDED, NO_POINTS) else 0.0
-    near = highest + table.bound[b, 3] + thin
+    near = highest + table.bound[b, 3] + max(thin, band)
     box = c.box_start[b]
     while box < c.box_start[b + 1]:
         apart = False
@@ -133,7 +147,7 @@ def collect(
             kind = c.feature_kind[f]
             if kind == POINT and mode == NO_POINTS:
                 continue
-            found = over(model, q, frame, f, place, highest, thin)
+            found = over(model, q, frame, f, place, highest, thin, band)
             length = 1.0 if kind == FACET else found.distance
             least = facing if kind == FACET or length > thin else 0.0
             barred = dot(m, found.away) > (FACING - least) * length
@@ -145,6 +159,7 @@ def collect(
                 table.along[n] = BARRED if barred else -1
                 table.facing[n] = least
                 table.gap[n] = found.distance
+                table.foot[n, 0] = found.beside
                 for k in range(3):
                     table.normal[n, k] = found.away[k]
             n += 1
@@ -155,23 +170,36 @@ def collect(
 @kernel
 def detect_node(
     model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, frame: Frame, b: int, law: int,
-    node: int, place: Vector, m: Vector, mode: int, n: int,
+    node: int, place: Vector, m: Vector, facing: float, mode: int, n: int, band: float,
 ) -> int:  # fmt: skip
     """Contacts of one node with surface b, from entry n on; returns the count."""
     thin = THIN * model.contacts.surface_extent[b]
     radius = model.contacts.node_radius[node]
     reach = margin + radius
     first = n
-    n = collect(model, q, reach, table, frame, b, law, node, place, m, mode, first, thin)
+    n = collect(model, q, reach, table, frame, b, law, node, place, m, facing, mode, first, thin, band)
     deepest = 0.0
     for k in range(first, min(n, len(table.key))):
         if table.kind[k] == NODE_FACET:
             deepest = max(deepest, -table.gap[k])
     if deepest > reach:  # whatever is nearer than that decides
-        n = collect(model, q, deepest, table, frame, b, law, node, place, m, mode, first, thin)
+        n = collect(model, q, deepest, table, frame, b, law, node, place, m, facing, mode, first, thin, band)
     if first < n <= len(table.key):
         return keep_contacts(model, q, margin, table, frame, first, n, thin)
     return n
+
+
+@kernel
+def least_facing(model: SpatialModel, node: int, mode: int, slack: float) -> float:
+    """Cosine between the outward normal of a node and the reversed one of what it touches, at least.
+
+    In passes of two sides a node touches what its own facets face alone: a node within a flat face would catch the side
+    of a body that slides over it. slack: how far those may have turned [rad].
+    """
+    if mode == ALL_FEATURES:
+        return 0.0
+    facing = model.contacts.node_facing[node]
+    return facing if slack == 0.0 else math.cos(min(math.acos(facing) + slack, 0.5 * math.pi))
 
 
 @kernel
@@ -184,12 +212,17 @@ def nodes_on_features(
     of_nodes = frame_of(model.bodies, q, c.surface_body[a])
     frame = frame_of(model.bodies, q, c.surface_body[b])
     center = (c.surface_center[b, 0], c.surface_center[b, 1], c.surface_center[b, 2])
-    reach = c.surface_extent[b] + margin + table.bound[b, 3]
+    band = band_between(model, a, b)
+    slack = TURNED if are_meshes(model, a, b) and (deforms(model, a) or deforms(model, b)) else 0.0
+    reach = c.surface_extent[b] + margin + table.bound[b, 3] + band
     for node in range(c.node_start[a], c.node_start[a + 1]):
+        if mode == CORNERS and c.node_facing[node] > BLUNT:
+            continue
         place = seen_from(frame, world_place(of_nodes, place_in(model.points, q, of_nodes, c.node_point[node])))
         d = apart_from(place, center)
         far = reach + c.node_radius[node]
         if not dot(d, d) > far * far:
             m = turned_back(frame.A, turned(of_nodes.A, row_vector(c.node_normal, node)))
-            n = detect_node(model, q, margin, table, frame, b, law, node, place, m, mode, n)
+            facing = least_facing(model, node, mode, slack)
+            n = detect_node(model, q, margin, table, frame, b, law, node, place, m, facing, mode, n, band)
     return n

@@ -6,9 +6,15 @@ outside place has one owner, and the least distance to a feature is that to the 
 facets alone, down to a depth; across a hollow side a facet goes on below the one that it meets there.
 
 The planes between features are those of the facets, and facets own what is on them, to a thickness that stands for
+<<<<<<< HEAD
 rounding. Facets of a body that deforms own more below them: where a flat face is bent to a hollow, places below the
 side between two facets would be in neither, and deep below a facet of the far side. Source: Ericson, Real-Time
 Collision Detection (2005), 5.1.
+=======
+rounding. Facets may also have what is up to a band beside them, if no other one owns it.
+
+Source: Ericson, Real-Time Collision Detection (2005), 5.1.
+>>>>>>> bd66184d (contact: faces of meshes hold each other at any offset)
 """
 
 from __future__ import annotations
@@ -16,7 +22,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from lcpflex.contact.spatial.kinds import EDGE, FACET
+<<<<<<< HEAD
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, is_rigid, place_in
+=======
+from lcpflex.contact.spatial.mesh_pairs import DEEP
+from lcpflex.contact.spatial.narrow_phase.sides import Frame, place_in
+>>>>>>> bd66184d (contact: faces of meshes hold each other at any offset)
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import NOTHING, apart_from, dot, norm, scaled
@@ -39,10 +50,15 @@ class Over(NamedTuple):
     owned: bool
     distance: float  # to a facet < 0 below it; to the centre of an edge, vertex or sphere
     away: Vector  # of facets the normal; else from the feature to the place, not normalised
+    beside: float  # > 0: a facet has it though it is so far beside it [m]
 
 
+<<<<<<< HEAD
 NOWHERE = Over(False, 0.0, NOTHING)
 SEAM = 0.05  # [rad] by which facets of one face, or of a bulge, are bent to a hollow that they hold together, at most
+=======
+NOWHERE = Over(False, 0.0, NOTHING, 0.0)
+>>>>>>> bd66184d (contact: faces of meshes hold each other at any offset)
 
 
 @kernel
@@ -95,9 +111,9 @@ def over_side(
 
 @kernel
 def over_facet(
-    model: SpatialModel, q: FloatArray, frame: Frame, f: int, place: Vector, far: float, thin: float
+    model: SpatialModel, q: FloatArray, frame: Frame, f: int, place: Vector, far: float, thin: float, band: float
 ) -> Over:
-    """Of facet f, up to ``far`` above it."""
+    """Of facet f, up to ``far`` above it; where it is not deep, up to a ``band`` beside it, too."""
     at = corners_of(model, q, frame, f)
     n = facet_normal(at)
     height = dot(n, apart_from(place, at.a))
@@ -116,7 +132,10 @@ def over_facet(
         and over_side(model, q, frame, h, at.c, at.a, (y, hx, hz), place, thin)
         and over_side(model, q, frame, i, at.a, at.b, (z, hy, hx), place, thin)
     )
-    return Over(owned, height, n)
+    if owned:
+        return Over(True, height, n, 0.0)
+    out = max(x, max(y, z))
+    return Over(out <= band and height >= -DEEP * band, height, n, out)
 
 
 @kernel
@@ -157,7 +176,7 @@ def over_edge(model: SpatialModel, q: FloatArray, frame: Frame, f: int, place: V
         return NOWHERE
     if not beyond_facet(model, q, frame, second, f, place, thin):
         return NOWHERE
-    return Over(is_outside(model, q, frame, first, second, away), distance, away)
+    return Over(is_outside(model, q, frame, first, second, away), distance, away, 0.0)
 
 
 @kernel
@@ -183,15 +202,20 @@ def over_point(model: SpatialModel, q: FloatArray, frame: Frame, f: int, place: 
     for k in range(c.fan_start[f], c.fan_start[f + 1]):
         if dot(away, apart_from(place_in(model.points, q, frame, c.fan[k]), o)) > 0.0:
             return NOWHERE
-    return Over(True, distance, away)
+    return Over(True, distance, away, 0.0)
 
 
 @kernel
-def over(model: SpatialModel, q: FloatArray, frame: Frame, f: int, place: Vector, far: float, thin: float) -> Over:
-    """Of feature f and a place in the frame of its body; ``far`` above its surface at most, ``thin``: of planes [m]."""
+def over(
+    model: SpatialModel, q: FloatArray, frame: Frame, f: int, place: Vector, far: float, thin: float, band: float
+) -> Over:  # fmt: skip
+    """Of feature f and a place in the frame of its body.
+
+    It is ``far`` above its surface at most; ``thin``: of planes, ``band``: what facets have beside them [m].
+    """
     kind = model.contacts.feature_kind[f]
     if kind == FACET:
-        return over_facet(model, q, frame, f, place, far, thin)
+        return over_facet(model, q, frame, f, place, far, thin, band)
     if kind == EDGE:
         return over_edge(model, q, frame, f, place, far + model.contacts.feature_radius[f], thin)
     return over_point(model, q, frame, f, place, far + model.contacts.feature_radius[f])

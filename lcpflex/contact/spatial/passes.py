@@ -6,7 +6,7 @@ renewed by :func:`lcpflex.contact.spatial.pairs.refresh`, with the features kept
 
 from __future__ import annotations
 
-from lcpflex.bodies.spatial.surface import CONVEX, EDGES, RIM_POINTS, TWO_SIDED
+from lcpflex.bodies.spatial.surface import CONVEX, EDGES, MESHES, RIM_POINTS, TWO_SIDED
 from lcpflex.contact.spatial.bounds import plane_vector, set_over_plane
 from lcpflex.contact.spatial.cylinder_edge_pass import edges_on_cylinder
 from lcpflex.contact.spatial.cylinder_pass import nodes_on_cylinder
@@ -14,6 +14,7 @@ from lcpflex.contact.spatial.edge_pass import edges_on_edges
 from lcpflex.contact.spatial.entries import load_node, load_rim
 from lcpflex.contact.spatial.kinds import PLANE, POINT, RIM
 from lcpflex.contact.spatial.manifold.hulls import APART, polyhedra_touch
+from lcpflex.contact.spatial.mesh_detection import meshes_touch
 from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, rim_axis
 from lcpflex.contact.spatial.narrow_phase.sides import frame_of, place_in, world_place
 from lcpflex.contact.spatial.node_pass import nodes_on_features
@@ -130,6 +131,8 @@ def detect_pass(
     if mode == CONVEX:
         count = polyhedra_touch(model, q, margin, table, a, b, law, n)
         return nearest_features(model, q, margin, table, a, b, law, TWO_SIDED, n) if count == APART else count
+    if mode == MESHES:
+        return meshes_touch(model, q, margin, table, a, b, law, n)
     if mode == EDGES and c.feature_kind[c.feature_start[b]] == RIM:
         return edges_on_cylinder(model, q, margin, table, a, b, law, n)
     if mode == EDGES:

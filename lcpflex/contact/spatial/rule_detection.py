@@ -11,6 +11,7 @@ from lcpflex.bodies.spatial.surface import (
     CYLINDER,
     EDGED,
     EDGES,
+    MESHES,
     NO_POINTS,
     POLYHEDRON,
     TOUCHES,
@@ -19,6 +20,7 @@ from lcpflex.bodies.spatial.surface import (
 from lcpflex.contact.rule_pairs import MORE_LAWS, is_barred, law_of_pair, new_law
 from lcpflex.contact.spatial.bounds import near_surfaces
 from lcpflex.contact.spatial.broad_phase import may_meet, near_pairs
+from lcpflex.contact.spatial.mesh_pairs import are_meshes, deforms
 from lcpflex.contact.spatial.passes import detect_pass, nearest_features
 from lcpflex.contact.spatial.table import SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
@@ -27,16 +29,6 @@ from lcpflex.model.spatial import SpatialModel
 __all__ = ["detect_rule"]
 
 EDGED_KINDS = np.array(EDGED)
-
-
-@kernel
-def deforms(model: SpatialModel, s: int) -> bool:
-    """Whether modes move points of surface s."""
-    deflection = model.contacts.surface_deflection
-    greatest = 0.0
-    for m in range(deflection.shape[1]):
-        greatest = max(greatest, deflection[s, m])
-    return greatest > 0.0
 
 
 @kernel
@@ -52,6 +44,8 @@ def detect_between(
         return n
     if kind_a == POLYHEDRON and kind_b == POLYHEDRON:
         return detect_pass(model, q, margin, table, a, b, law, CONVEX, n)
+    if are_meshes(model, a, b):
+        return detect_pass(model, q, margin, table, a, b, law, MESHES, n)
     if not TOUCHES[kind_a, kind_b]:
         return detect_pass(model, q, margin, table, b, a, law, ALL_FEATURES, n)
     if kind_a == CAPSULE and kind_b == CYLINDER:

@@ -12,6 +12,7 @@ import math
 
 from lcpflex.contact.spatial.kinds import EDGE, FACET, PLANE, POLYGON
 from lcpflex.contact.spatial.manifold.clip import beyond_side
+from lcpflex.contact.spatial.mesh_pairs import band_between
 from lcpflex.contact.spatial.narrow_phase.crossing import UNKNOWN, face_on_j
 from lcpflex.contact.spatial.narrow_phase.cylinder import cylinder_margin
 from lcpflex.contact.spatial.narrow_phase.cylinder_edges import edge_margin
@@ -181,13 +182,15 @@ def margin_on_j(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: S
         return math.inf
     if table.kind[k] == EDGE_FACET:
         return min(on_line(model, f, table.foot[k, 1]), above_side(model, q, i, j, table, k))
-    extent = c.surface_extent[surface_of(c.feature_start, f)]
+    b = surface_of(c.feature_start, f)
+    extent = c.surface_extent[b]
     if by_cylinder(table, k):
         if with_edge(table, k):
             return edge_margin(model.points, q, i, j, table, k, extent)
         return cylinder_margin(model.points, q, i, j, table, k) / extent
     if kind == FACET:
-        return in_facet(model, q, j, f, table.foot[k, 0], table.foot[k, 1]) / extent
+        beside = band_between(model, surface_of(c.node_start, table.key[k] // len(c.feature_kind)), b)
+        return (in_facet(model, q, j, f, table.foot[k, 0], table.foot[k, 1]) + beside) / extent
     place = seen_from(j, world_place(i, place_in(model.points, q, i, table.point[k, 0])))
     if kind == POLYGON:
         return -beyond_side(model, c.feature_neighbour[f, 0], place) / extent
