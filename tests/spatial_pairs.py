@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from lcpflex.contact.spatial.pairs import contact_bias, contact_rows, locate, refresh
 from lcpflex.contact.spatial.table import (
+    EDGE_CAP,
     EDGE_EDGE,
     EDGE_RIM,
     EDGE_SIDE,
@@ -32,9 +33,9 @@ from tests.space import Moving, model_of
 __all__ = ["ENDS", "Pair", "pair"]
 
 ENDS = {NODE_FACET: (1, 3), NODE_EDGE: (1, 2), NODE_POINT: (1, 1), EDGE_EDGE: (2, 2), RIM_FACET: (2, 3)}
-ENDS |= {NODE_SIDE: (1, 2), NODE_CAP: (1, 2), NODE_RIM: (1, 2), EDGE_SIDE: (2, 2), EDGE_RIM: (2, 2)}
+ENDS |= {NODE_SIDE: (1, 2), NODE_CAP: (1, 2), NODE_RIM: (1, 2), EDGE_SIDE: (2, 2), EDGE_RIM: (2, 2), EDGE_CAP: (2, 2)}
 
-EDGES = (EDGE_SIDE, EDGE_RIM)
+EDGES = (EDGE_SIDE, EDGE_RIM, EDGE_CAP)
 
 
 @dataclass(slots=True)
@@ -95,7 +96,7 @@ class Pair:
             sides[1] = (point[1:2], [1.0], sides[1][2])
         elif kind in (NODE_SIDE, NODE_CAP, NODE_RIM):
             sides[1] = (point[1:2], [1.0], self.on_cylinder(q, self.place(q, int(point[0]))))
-        elif kind in (EDGE_SIDE, EDGE_RIM):
+        elif kind in EDGES:
             sides[0] = (point[:2], [1.0 - foot[0], foot[0]], sides[0][2])
             nearest = (1.0 - foot[0]) * self.place(q, int(point[0])) + foot[0] * self.place(q, int(point[1]))
             sides[1] = (point[2:3], [1.0], self.on_cylinder(q, nearest))
@@ -146,7 +147,11 @@ class Pair:
         end = float(np.linalg.norm(axis)) if self.table.sense[0] > 0.0 else 0.0
         around = R * across / np.linalg.norm(across)
         nearest = {NODE_SIDE: z * a + around, NODE_CAP: end * a + across, NODE_RIM: end * a + around}
-        nearest |= {EDGE_SIDE: z * a + R * self.table.normal[0], EDGE_RIM: nearest[NODE_RIM]}  # whatever its sense
+        nearest |= {
+            EDGE_SIDE: z * a + R * self.table.normal[0],
+            EDGE_RIM: nearest[NODE_RIM],
+            EDGE_CAP: nearest[NODE_CAP],
+        }  # whatever its sense
         return np.asarray(nearest[kind])
 
     def place(self, q: FloatArray, p: int) -> FloatArray:

@@ -11,7 +11,8 @@ t2 = n x t1):
 * RIM_FACET: rim of a disc with centre o and a point on its axis on i, plane through a, b, c on j;
 * NODE_SIDE, NODE_CAP, NODE_RIM: node P on i, cylinder from o along its axis to x on j: its side, the flat of one of its
   ends, or the circle around that;
-* EDGE_SIDE, EDGE_RIM: edge a, b on i, side or rim of a cylinder from o to x on j.
+* EDGE_SIDE, EDGE_RIM: edge a, b on i, side or rim of a cylinder from o to x on j;
+* EDGE_CAP: edge a, b on i, where it leaves or enters the flat of an end of a cylinder from o to x on j.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.model.arrays import frozen
 
 __all__ = [
+    "EDGE_CAP",
     "EDGE_EDGE",
     "EDGE_FACET",
     "EDGE_RIM",
@@ -61,10 +63,11 @@ PAIRS = (  # what of body i, and what of body j: by the numbers of the kinds
     ("edge", "side"),
     ("edge", "rim"),
     ("edge", "facet"),
+    ("edge", "cap"),
 )
 (
     NODE_FACET, NODE_EDGE, NODE_POINT, EDGE_EDGE, RIM_FACET, NODE_SIDE, NODE_CAP, NODE_RIM, EDGE_SIDE, EDGE_RIM,
-    EDGE_FACET,
+    EDGE_FACET, EDGE_CAP,
 ) = range(len(PAIRS))  # fmt: skip
 WITH_EDGE = frozen([of_i == "edge" for of_i, _ in PAIRS], bool)
 BY_CYLINDER = frozen([of_j in ("side", "cap", "rim") for _, of_j in PAIRS], bool)
@@ -87,7 +90,7 @@ class SpatialContactTable:
     # share of the corner in the middle of the patch it belongs to, by which forces that nothing determines are divided
     weight: FloatArray = array("contacts")
     facing: FloatArray = array("contacts")  # of nodes: least cosine of their outward normal and that of j, reversed
-    # xi^1, xi^2 in a facet; s on an edge; s and t of two edges; s on an edge, and which half of a rim it meets
+    # xi^1, xi^2 in a facet; s on an edge; s and t of two edges; s on an edge, and which half of a rim or end it meets
     foot: FloatArray = array("contacts", 2)
     body: IntArray = array("contacts", 2)  # i, j; -1: ground
     gap: FloatArray = array("contacts")  # [m]

@@ -16,7 +16,7 @@ import math
 from typing import Any
 
 from lcpflex.contact.detection import detect
-from lcpflex.contact.spatial.table import EDGE_EDGE, EDGE_FACET, SpatialContactTable, side_of
+from lcpflex.contact.spatial.table import SpatialContactTable, side_of, with_edge
 from lcpflex.dynamics.acceleration import FORCE
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.mechanics import fill_contact_rows, solve_vector
@@ -242,7 +242,7 @@ def same_node(table: SpatialContactTable, k: int, other: SpatialContactTable, i:
     """Whether entry k of a table is of the same node, edge or rim as entry i of another one, whatever they touch."""
     if table.node[k] != other.node[i]:
         return False
-    crosses, crossed = table.kind[k] in (EDGE_EDGE, EDGE_FACET), other.kind[i] in (EDGE_EDGE, EDGE_FACET)
+    crosses, crossed = with_edge(table, k), with_edge(other, i)
     if not crosses and not crossed:
         return True
     return bool(crosses == crossed and table.point[k, 1] == other.point[i, 1])

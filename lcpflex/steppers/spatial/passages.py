@@ -7,6 +7,7 @@ import math
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.contact.spatial.pairs import foot_margin, node_margin, refresh
 from lcpflex.contact.spatial.table import (
+    EDGE_CAP,
     EDGE_EDGE,
     EDGE_FACET,
     EDGE_RIM,
@@ -74,7 +75,9 @@ def is_wall(table: SpatialContactTable, k: int) -> bool:
 
     The distance of the lines of two edges has a sign, by their sense.
     """
-    return table.kind[k] in (NODE_FACET, NODE_CAP, EDGE_EDGE, EDGE_FACET, EDGE_SIDE) or table.radius[k, 1] < 0.0
+    return (
+        table.kind[k] in (NODE_FACET, NODE_CAP, EDGE_CAP, EDGE_EDGE, EDGE_FACET, EDGE_SIDE) or table.radius[k, 1] < 0.0
+    )
 
 
 @kernel

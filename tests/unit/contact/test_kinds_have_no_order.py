@@ -15,6 +15,7 @@ from lcpflex.bodies.surface import NO_NODE, RANK, Kind, Surface, can_touch
 from lcpflex.contact.rule_pairs import TOUCHES
 from lcpflex.contact.spatial.table import (
     BY_CYLINDER,
+    EDGE_CAP,
     EDGE_EDGE,
     EDGE_FACET,
     EDGE_RIM,
@@ -82,8 +83,8 @@ def test_comparisons_are_seen(text: str) -> None:
 
 
 def test_columns_of_pairs_in_space() -> None:
-    assert np.flatnonzero(WITH_EDGE).tolist() == [EDGE_EDGE, EDGE_SIDE, EDGE_RIM, EDGE_FACET]
-    assert np.flatnonzero(BY_CYLINDER).tolist() == [NODE_SIDE, NODE_CAP, NODE_RIM, EDGE_SIDE, EDGE_RIM]
+    assert np.flatnonzero(WITH_EDGE).tolist() == [EDGE_EDGE, EDGE_SIDE, EDGE_RIM, EDGE_FACET, EDGE_CAP]
+    assert np.flatnonzero(BY_CYLINDER).tolist() == [NODE_SIDE, NODE_CAP, NODE_RIM, EDGE_SIDE, EDGE_RIM, EDGE_CAP]
 
 
 def test_what_touches_by_rank_touches_by_kind() -> None:

@@ -5,12 +5,17 @@ Gaps are differentiated as they are; tangential velocities are those of places f
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from lcpflex.contact.spatial.pairs import contact_point, gap_rate
+from lcpflex.contact.spatial.pairs import contact_bias, contact_point, contact_rows, gap_rate, locate
 from lcpflex.contact.spatial.table import (
+    EDGE_CAP,
     EDGE_EDGE,
+    EDGE_FACET,
     EDGE_RIM,
     EDGE_SIDE,
     NODE_CAP,
@@ -20,8 +25,11 @@ from lcpflex.contact.spatial.table import (
     NODE_RIM,
     NODE_SIDE,
     RIM_FACET,
+    spatial_contact_table,
 )
-from tests.space import derivatives
+from lcpflex.jit.struct import pack
+from lcpflex.model.spatial import SpatialPointTable
+from tests.space import derivatives, model_of
 from tests.spatial_pairs import Pair, pair
 
 BODIES = [((3, 2), -1), ((0, 0), -1), ((3, 0), -1), ((0, 2), -1), ((3, 2), 0), ((3, 2), 1), ((0, 0), 0), ((0, 0), 1)]
@@ -119,6 +127,76 @@ def test_gap_is_the_distance_between_what_touches(kind):
         if first is not None:
             point = contact_point(of.moving.model, q, of.table, 0)
             np.testing.assert_allclose(point, first + of.lever(q, of.axes()[0]), atol=1e-14)
+
+
+def with_point(of: Pair, body: int, at: np.ndarray) -> tuple[Any, int]:
+    """The model of a pair between rigid bodies, and in it one more material point of a body, at a place."""
+    points, model = SpatialPointTable(), of.moving.model
+    for k in range(len(model.points.place)):
+        points.add(int(model.points.body[k]), model.points.place[k], np.zeros((0, 3)), np.zeros((0, 3)))
+    frame = of.moving.q[7 * body : 7 * body + 7]
+    own = Rotation.from_quat(frame[3:], scalar_first=True).inv().apply(at - frame[:3])
+    points.add(body, own, np.zeros((0, 3)), np.zeros((0, 3)))
+    return pack(model_of((0, 0), points)), len(model.points.place)
+
+
+def told(model: Any, of: Pair, table: Any) -> tuple[float, np.ndarray, np.ndarray]:
+    """Gap, rows and biases of entry 0."""
+    q, u = of.moving.q, of.moving.u
+    locate(model, q, table, 0)
+    rows = np.zeros((3, 2, 6))
+    contact_rows(model, q, table, 0, rows[0], rows[1:])
+    return float(table.gap[0]), rows, np.array(contact_bias(model, q, u, table, 0))
+
+
+@pytest.mark.parametrize("half", [1.0, -1.0])
+def test_an_edge_on_the_end_of_a_cylinder_moves_as_a_node_of_it_there(half):
+    for seed in range(4):
+        of = pair(EDGE_CAP, seed, (0, 0), -1, (0.0, 0.0, 2.5), (-1.0) ** seed)
+        of.table.foot[0, 1] = half
+        of.at(of.moving.q)
+        s = of.table.foot[0, 0]
+        place = (1.0 - s) * of.place(of.moving.q, 0) + s * of.place(of.moving.q, 1)
+        o, x = of.place(of.moving.q, 2), of.place(of.moving.q, 3)
+        a = (x - o) / np.linalg.norm(x - o)
+        assert abs(np.linalg.norm(np.cross(a, place - o)) - 2.5) < 1e-12  # on the circle about the end
+        model, node = with_point(of, 0, place)
+        first = told(model, of, of.table)
+        of.table.kind[0], of.table.point[0, :3] = NODE_CAP, [node, 2, 3]
+        for one, other in zip(first, told(model, of, of.table), strict=True):
+            np.testing.assert_allclose(one, other, atol=1e-12)
+
+
+def test_an_axis_over_a_face_moves_as_a_ball_over_it():
+    """Of cylinders that lie on a face: the axis is the edge of j, the face is one of i, or the other way."""
+    for seed in range(8):
+        of = pair(EDGE_EDGE, seed, (0, 0), -1, (0.0, 0.0, 0.0))
+        across = np.random.default_rng(seed).uniform(-1, 1, 3)
+        face = seed % 2  # of body i or j
+        model, corner = with_point(of, face, across)
+        of.table.kind[0], of.table.point[0, 4], of.table.radius[0, 1 - face] = EDGE_FACET, corner, 0.3
+        gap, rows, bias = told(model, of, of.table)
+        s, first = of.table.foot[0, 1 - face], 2 - 2 * face
+        axis = (1.0 - s) * of.place(of.moving.q, first) + s * of.place(of.moving.q, first + 1)
+        of.moving.model = model
+        model, node = with_point(of, 1 - face, axis)
+        before = of.table.normal[0].copy()
+        ball = pack(spatial_contact_table(1))
+        ball.kind[0], ball.radius[0, 0], ball.sense[0], ball.along[0] = NODE_FACET, 0.3, 1.0, -1
+        sides = [2 * face, 2 * face + 1, corner]
+        plane = sides if triangle_faces(of, sides, before, face) else [sides[1], sides[0], corner]
+        ball.point[0, :4] = [node, *plane]
+        ball.body[0] = [1 - face, face]
+        as_ball = told(model, of, ball)
+        assert abs(gap - as_ball[0]) < 1e-12
+        np.testing.assert_allclose(rows[0], as_ball[1][0][::-1] if face == 0 else as_ball[1][0], atol=1e-12)
+        assert abs(bias[0] - as_ball[2][0]) < 1e-11
+
+
+def triangle_faces(of: Pair, points: list[int], n: np.ndarray, face: int) -> bool:
+    """Whether a triangle of points, counter-clockwise, faces the other body as the normal n, from j to i, has it."""
+    a, b, c = (of.place(of.moving.q, p) for p in points)
+    return bool(np.cross(b - a, c - a) @ n * (1.0 if face == 1 else -1.0) > 0.0)
 
 
 def test_tangent_of_spheres_changes_its_axis_only_where_that_comes_close_to_the_normal():

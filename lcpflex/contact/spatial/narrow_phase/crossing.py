@@ -1,9 +1,11 @@
 """Two edges, of body i and j, that cross over a face of one of them, whose normal is that of the contact.
 
-The corner of a patch of faces that lie on each other. With e = r_b - r_a of body i, f = r_d - r_c of body j, the
+The corner of a patch of faces that lie on each other; or that of a face and a cylinder which lies on it, whose axis is
+the other edge, of radius R (rho on i). With e = r_b - r_a of body i, f = r_d - r_c of body j, the
 outward normal m of the face, n = m if it is on j and -m if it is on i, and y = r_a - r_c,
 
-    P = r_a + s e,  Q = r_c + t f,  r_P - r_Q = D n:   s = -y.(f x n)/d,  t = y.(n x e)/d,  d = n.(e x f),  g = D.
+    P = r_a + s e,  Q = r_c + t f,  r_P - r_Q = D n:   s = -y.(f x n)/d,  t = y.(n x e)/d,  d = n.(e x f),
+    g = D - rho - R.
 
 One of e and f lies in the face. P and Q are frozen in the material, as of a node over a facet: the normal turns with
 the face, and its foot there slides,
@@ -63,6 +65,7 @@ def refresh_crossing(
         t = dot(y, cross(n, e)) / d
         table.foot[k, 0], table.foot[k, 1] = s, t
         height += s * dot(n, e) - t * dot(n, f)
+    height -= table.radius[k, 0] + table.radius[k, 1]
     set_entry(table, k, height, turned(j.A, n), turned(j.A, scaled(1.0 / norm(side), side)))
 
 
@@ -76,4 +79,4 @@ def crossing_turning(
     omega = turned(frames[own].A, motions[own].omega)
     w = cross(n, t)
     turn = PlaneTurn(t, w, cross(omega, t), cross(omega, w), cross(omega, n), dot(omega, n))
-    return plane_slip(turn, dv, table.gap[k])
+    return plane_slip(turn, dv, table.gap[k] + table.radius[k, 0] + table.radius[k, 1])

@@ -27,6 +27,7 @@ from lcpflex.kinematics.spatial.vectors import NOTHING, added, apart_from, dot, 
 from lcpflex.model.spatial import SpatialPoints
 
 __all__ = [
+    "across_axis",
     "away_from_start",
     "cylinder_lever",
     "cylinder_lever_rate",

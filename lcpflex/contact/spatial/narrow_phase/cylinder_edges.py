@@ -10,14 +10,22 @@ feet slide with s' and phi (c' = phi tau):
 
     e.e s' - R e.tau phi = -(d.e' + e.w),   e.tau s' - (R + c.d) phi = -tau.w,
     d' = w + s' e - R phi tau,   n' = (d' - (n.d') n)/D,   ndot = Omega x n + n',   t1dot.t2 = Omega.n - phi c.t2.
+
+A sharp edge, rho = 0, may touch and cut the rim. Its D has a sign: n = +-(e x tau)/|.| leads out of the rim, and
+
+    n' = -(n.e') e* + phi (n.c) tau*   with the dual basis e* = tau x n/d, tau* = n x e/d, d = n.(e x tau).
+
+Its flat end: where the edge enters or leaves the circle about the end, seen along the axis, it is frozen in its
+material as a node over that end: n = sigma a_j, g = sigma (z - z0) - rho, ndot = Omega x n. That this place moves along
+the edge is left out, as of two edges that cross over a face (:mod:`lcpflex.contact.spatial.narrow_phase.crossing`).
 """
 
 from __future__ import annotations
 
 import math
 
-from lcpflex.contact.spatial.narrow_phase.cylinder import away_from_start, end_of, length_between
-from lcpflex.contact.spatial.narrow_phase.edges import END, TILT, crossing_of, edges_cross
+from lcpflex.contact.spatial.narrow_phase.cylinder import across_axis, away_from_start, end_of, length_between
+from lcpflex.contact.spatial.narrow_phase.edges import END, PARALLEL, TILT, crossing_of, edges_cross
 from lcpflex.contact.spatial.narrow_phase.rim import rim_axis
 from lcpflex.contact.spatial.narrow_phase.rim_line import nearest_of_half, nearest_on_rim, towards
 from lcpflex.contact.spatial.narrow_phase.sides import (
@@ -30,13 +38,13 @@ from lcpflex.contact.spatial.narrow_phase.sides import (
     world_place,
 )
 from lcpflex.contact.spatial.narrow_phase.turning import COINCIDENT, Turning, set_entry
-from lcpflex.contact.spatial.table import EDGE_SIDE, SpatialContactTable
+from lcpflex.contact.spatial.table import EDGE_CAP, EDGE_SIDE, SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
-from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, row_vector, scaled, turned
+from lcpflex.kinematics.spatial.vectors import NOTHING, added, apart_from, dot, norm, row_vector, scaled, turned
 from lcpflex.model.spatial import SpatialPoints
 
-__all__ = ["edge_by_cylinder_turning", "edge_margin", "refresh_edge_by_cylinder"]
+__all__ = ["crossing_of_circle", "edge_by_cylinder_turning", "edge_margin", "refresh_edge_by_cylinder"]
 
 
 @kernel
@@ -59,8 +67,32 @@ def refresh_edge_by_cylinder(
     y, e, a = edge_of(points, q, (i, j), table, k)
     if table.kind[k] == EDGE_SIDE:
         refresh_by_side(table, k, y, e, a)
+    elif table.kind[k] == EDGE_CAP:
+        s, _ = crossing_of_circle(y, e, a, table.radius[k, 2], table.foot[k, 1])
+        table.foot[k, 0] = s
+        sense = table.sense[k]
+        height = sense * (dot(a, added(y, scaled(s, e))) - end_of(points, table, k)) - table.radius[k, 0]
+        set_entry(table, k, height, scaled(sense, a), across_axis(points, q, j, table.point[k, 2], table.point[k, 3]))
     else:
         refresh_by_rim(points, table, k, y, e, a)
+
+
+@kernel
+def crossing_of_circle(y: Vector, e: Vector, a: Vector, R: float, half: float) -> tuple[float, float]:
+    """s where an edge e from y leaves (half > 0) or enters a circle about the axis a; how far inside its middle is [m].
+
+    Beside the circle, and below 0: where it is nearest to the axis.
+    """
+    p, f = apart_from(y, scaled(dot(a, y), a)), apart_from(e, scaled(dot(a, e), a))
+    square = dot(f, f)
+    if square <= COINCIDENT * COINCIDENT:
+        return 0.0, -R
+    middle = -dot(p, f) / square
+    nearest = added(p, scaled(middle, f))
+    reach = norm(nearest)
+    if reach >= R:
+        return middle, R - reach
+    return middle + half * math.sqrt((R - reach) * (R + reach) / square), R - reach
 
 
 @kernel
@@ -78,7 +110,7 @@ def refresh_by_side(table: SpatialContactTable, k: int, y: Vector, e: Vector, a:
 
 @kernel
 def refresh_by_rim(points: SpatialPoints, table: SpatialContactTable, k: int, y: Vector, e: Vector, a: Vector) -> None:
-    """The same of a rim; foot: s, and which half of the circle. Where the edge goes through it, n and t1 stay."""
+    """The same of a rim; foot: s, and which half of the circle. Where a round edge's axis goes through it, n stays."""
     R = table.radius[k, 2]
     away = apart_from(scaled(end_of(points, table, k), a), y)  # from r_a to the centre of the rim
     found = nearest_on_rim(a, R, e, away)
@@ -89,6 +121,15 @@ def refresh_by_rim(points: SpatialPoints, table: SpatialContactTable, k: int, y:
     d = apart_from(d, scaled(dot(d, e) / dot(e, e), e))
     D = norm(d)
     table.foot[k, 0] = s
+    if table.radius[k, 0] == 0.0:
+        tau = cross(a, c)
+        n = cross(e, tau)
+        size = norm(n)
+        if size > PARALLEL * norm(e):
+            out = dot(n, added(c, scaled(table.sense[k], a)))
+            n = scaled(1.0 / size if out >= 0.0 else -1.0 / size, n)
+            set_entry(table, k, dot(n, d), n, tau)
+            return
     table.gap[k] = D - table.radius[k, 0]
     if D >= COINCIDENT:
         set_entry(table, k, D - table.radius[k, 0], scaled(1.0 / D, d), cross(a, c))
@@ -112,6 +153,8 @@ def edge_by_cylinder_turning(
     if table.kind[k] == EDGE_SIDE:
         slide, rate = slide_along_side(e, a, n, D + table.radius[k, 2], turn, w)
         return Turning(added(cross(spin, n), rate), dot(spin, n), scaled(slide, edot), slide, 0.0)
+    if table.kind[k] == EDGE_CAP:
+        return Turning(cross(spin, n), dot(spin, n), NOTHING, 0.0, 0.0)
     R, c = table.radius[k, 2], cross(t, a)
     across, reach = dot(e, t), R + D * dot(c, n)
     on_e, on_t = -(D * dot(n, turn) + dot(e, w)), -dot(t, w)
@@ -120,6 +163,10 @@ def edge_by_cylinder_turning(
     around = (dot(e, e) * on_t - across * on_e) * inverse
     rate = added(w, apart_from(scaled(slide, e), scaled(R * around, t)))
     rate = scaled(1.0 / max(D, COINCIDENT), apart_from(rate, scaled(dot(n, rate), n)))
+    inverse = dot(n, cross(e, t))
+    if table.radius[k, 0] == 0.0 and abs(inverse) > PARALLEL * norm(e):
+        dual_e, dual_t = scaled(1.0 / inverse, cross(t, n)), scaled(1.0 / inverse, cross(n, e))
+        rate = added(scaled(-dot(n, turn), dual_e), scaled(around * dot(n, c), dual_t))
     about = dot(spin, n) - around * dot(c, cross(n, t))
     return Turning(added(cross(spin, n), rate), about, scaled(slide, edot), slide, 0.0)
 
@@ -139,7 +186,8 @@ def edge_margin(
 ) -> float:
     """How far entry k is inside its part of the cylinder.
 
-    Of the side: how far from its ends it is crossed, in its length. Of a rim: how far the normal is inside its wedge
+    Of the side: how far from its ends it is crossed, in its length. Of an end: how far inside its circle the middle of
+    the edge is, in extents. Of a rim: how far the normal is inside its wedge
     [rad], and how far the place is inside its half of the circle, in extents.
     """
     o, x = table.point[k, 2], table.point[k, 3]
@@ -147,6 +195,9 @@ def edge_margin(
         t = table.foot[k, 1] / length_between(points, o, x)
         return min(t, 1.0 - t) - END
     y, e, a = edge_of(points, q, (i, j), table, k)
+    if table.kind[k] == EDGE_CAP:
+        _, within = crossing_of_circle(y, e, a, table.radius[k, 2], table.foot[k, 1])
+        return within / extent
     n = row_vector(table.normal, k)
     found = nearest_on_rim(a, table.radius[k, 2], e, apart_from(scaled(end_of(points, table, k), a), y))
     place = nearest_of_half(found, table.foot[k, 1])

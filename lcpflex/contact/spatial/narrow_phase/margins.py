@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.spatial.kinds import EDGE, FACET, PLANE, POLYGON
+from lcpflex.contact.spatial.kinds import CAP, EDGE, FACET, PLANE, POLYGON, SIDE
 from lcpflex.contact.spatial.manifold.clip import beyond_side
 from lcpflex.contact.spatial.mesh_pairs import band_between
 from lcpflex.contact.spatial.narrow_phase.crossing import UNKNOWN, face_on_j
@@ -21,6 +21,7 @@ from lcpflex.contact.spatial.narrow_phase.facet import plane_of
 from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, rim_axis
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, line_between, place_in, seen_from, world_place
 from lcpflex.contact.spatial.table import (
+    EDGE_CAP,
     EDGE_EDGE,
     EDGE_FACET,
     RIM_FACET,
@@ -30,7 +31,7 @@ from lcpflex.contact.spatial.table import (
 )
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
-from lcpflex.kinematics.spatial.vectors import apart_from, dot, norm, row_vector, scaled, turned, turned_back
+from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, row_vector, scaled, turned, turned_back
 from lcpflex.model.spatial import SpatialModel
 
 __all__ = ["margin_on_i", "margin_on_j"]
@@ -137,8 +138,11 @@ def above_side(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: Sp
     """How much farther an edge may fall below a face beyond the side that it crosses, in extents; entry k.
 
     An edge that falls deeper hangs on that side, and its body has tipped over it: detection tells so, from half of
-    HANGS on. Infinite where the two edges have no normal that leads out of both bodies, as detection stays there, too.
+    HANGS on. Infinite where the two edges have no normal that leads out of both bodies, as detection stays there, too;
+    so it does of the axis of a cylinder, which touches sides as EDGE_SIDE wherever it can.
     """
+    if table.radius[k, 0] > 0.0 or table.radius[k, 1] > 0.0:
+        return math.inf
     c, points, point = model.contacts, model.points, table.point
     f = table.key[k] % len(c.feature_kind)
     e = table.key[k] // len(c.feature_kind) - len(c.node_point)
@@ -171,6 +175,14 @@ def above_side(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: Sp
 
 
 @kernel
+def within_circle(model: SpatialModel, q: FloatArray, frame: Frame, f: int, place: Vector, n: Vector) -> float:
+    """How far inside the circle about a flat end, with normal n, a place over it is [m]; all in the frame."""
+    c = model.contacts
+    away = apart_from(place, place_in(model.points, q, frame, c.feature_point[f, 0]))
+    return c.feature_radius[f] - norm(apart_from(away, scaled(dot(away, n), n)))
+
+
+@kernel
 def margin_on_j(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: SpatialContactTable, k: int) -> float:
     """How far the foot of entry k is inside the feature of body j."""
     c = model.contacts
@@ -191,10 +203,17 @@ def margin_on_j(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: S
     if kind == FACET:
         beside = band_between(model, surface_of(c.node_start, table.key[k] // len(c.feature_kind)), b)
         return (in_facet(model, q, j, f, table.foot[k, 0], table.foot[k, 1]) + beside) / extent
-    place = seen_from(j, world_place(i, place_in(model.points, q, i, table.point[k, 0])))
+    place = world_place(i, place_in(model.points, q, i, table.point[k, 0]))
+    if table.kind[k] == RIM_FACET:
+        axis = rim_axis(model.points, q, i, table.point[k, 0], table.point[k, 1])
+        lowest, _ = lowest_on_rim(axis, row_vector(table.normal, k))
+        place = added(place, scaled(table.radius[k, 2], lowest))
+    place = seen_from(j, place)
     if kind == POLYGON:
         return -beyond_side(model, c.feature_neighbour[f, 0], place) / extent
-    if kind == EDGE:
+    if kind == CAP:
+        return within_circle(model, q, j, f, place, turned_back(j.A, row_vector(table.normal, k))) / extent
+    if kind in (EDGE, SIDE):
         return on_edge(model, q, j, f, table.foot[k, 0], place) / extent
     return in_fan(model, q, j, f, place) / extent
 
@@ -205,7 +224,7 @@ def margin_on_i(model: SpatialModel, q: FloatArray, i: Frame, table: SpatialCont
     c = model.contacts
     touching = table.key[k] // len(c.feature_kind)
     n = row_vector(table.normal, k)
-    if table.kind[k] == EDGE_FACET:
+    if table.kind[k] in (EDGE_FACET, EDGE_CAP):
         return on_line(model, touching - len(c.node_point), table.foot[k, 0])
     if with_edge(table, k):
         return crossed_within(model, q, i, touching - len(c.node_point), table.foot[k, 0], scaled(-1.0, n))
