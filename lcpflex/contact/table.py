@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.contact.rule_pairs import RulePairs, no_pairs
+from lcpflex.contact.spatial.kinds import AROUND, CAP
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import allocate, array, struct
@@ -81,9 +82,14 @@ def contact_table(
 
 
 def most_corners(contacts: Any) -> int:
-    """How many corners a patch of two faces has at most; none in the plane."""
-    sides = getattr(contacts, "side_start", ())
-    return 2 * int(np.max(np.diff(sides), initial=0))
+    """How many corners a patch of two faces, or of flat ends of cylinders, has at most; none in the plane.
+
+    A circle crosses each side of a polygon twice.
+    """
+    sides = int(np.max(np.diff(getattr(contacts, "side_start", ())), initial=0))
+    if not hasattr(contacts, "side_start") or CAP not in contacts.feature_kind:
+        return 2 * sides
+    return 3 * max(sides, AROUND) + AROUND + 2  # of each rim the lowest place, too
 
 
 def table_maker(in_space: bool) -> Any:

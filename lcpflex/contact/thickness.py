@@ -11,8 +11,8 @@ import math
 import numpy as np
 
 from lcpflex.contact.narrow_phase.feature import ARC, VERTEX
-from lcpflex.contact.spatial.kinds import EDGE, POINT
-from lcpflex.jit.kernel import FloatArray
+from lcpflex.contact.spatial.kinds import CAP, EDGE, POINT
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Contacts, Points
 
 __all__ = ["farthest", "law_thickness", "pass_thickness", "surface_thickness", "thinnest"]
@@ -64,11 +64,23 @@ def farthest(contacts: Contacts, points: Points) -> float:
     if not len(contacts.surface_body):
         return 0.0
     nodes = _lengths(points.place[contacts.node_point]) + contacts.node_radius
-    features = _lengths(points.place[contacts.feature_point].reshape(-1, points.place.shape[1]))
-    moving = features[points.body[contacts.feature_point].reshape(-1) >= 0]
+    feature_point = contacts.feature_point[_reaching(contacts)]
+    features = _lengths(points.place[feature_point].reshape(-1, points.place.shape[1]))
+    moving = features[points.body[feature_point].reshape(-1) >= 0]
     radii = np.abs(contacts.feature_radius)
     mobile = nodes[points.body[contacts.node_point] >= 0]
     return float(max(mobile.max(initial=0.0), moving.max(initial=0.0) + radii.max(initial=0.0)))
+
+
+def _reaching(contacts: Contacts) -> IntArray:
+    """Features that are not the flat ends of cylinders, with their chords: nodes tell of these."""
+    of_ends = np.zeros(len(contacts.feature_kind), bool)
+    if contacts.feature_depth.ndim == 1:  # in space
+        flat = contacts.feature_kind == CAP
+        first = np.maximum.accumulate(np.where(flat, np.arange(len(flat)), -1))
+        surface = np.searchsorted(contacts.feature_start, np.arange(len(flat)), side="right") - 1
+        of_ends = (first >= 0) & (first >= contacts.feature_start[surface])
+    return np.flatnonzero(~of_ends)
 
 
 def _lengths(places: FloatArray) -> FloatArray:

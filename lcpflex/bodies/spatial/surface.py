@@ -70,9 +70,9 @@ TOUCHED = {  # what the nodes of a surface may touch
     SpatialKind.NODE: (SpatialKind.SPHERE, SpatialKind.CYLINDER, *SOLID),
     SpatialKind.SPHERE: (SpatialKind.SPHERE, SpatialKind.CYLINDER, *SOLID),
     SpatialKind.CAPSULE: (SpatialKind.CYLINDER, *SOLID),
-    SpatialKind.CYLINDER: (SpatialKind.PLANE,),
+    SpatialKind.CYLINDER: (SpatialKind.CYLINDER, SpatialKind.POLYHEDRON, SpatialKind.PLANE),
     SpatialKind.RIM: (SpatialKind.PLANE,),
-    SpatialKind.POLYHEDRON: SOLID,
+    SpatialKind.POLYHEDRON: (SpatialKind.CYLINDER, *SOLID),
     SpatialKind.MESH: SOLID,
 }
 TOUCHES = np.array([[b in TOUCHED.get(a, ()) for b in SpatialKind] for a in SpatialKind])  # the same by their codes
@@ -82,7 +82,7 @@ CAPSULE, CYLINDER = CODES[SpatialKind.CAPSULE], CODES[SpatialKind.CYLINDER]
 POLYHEDRON, MESH = CODES[SpatialKind.POLYHEDRON], CODES[SpatialKind.MESH]
 ON_CYLINDER = (SpatialKind.CAPSULE, SpatialKind.CYLINDER)
 RIMMED = (SpatialKind.CYLINDER, SpatialKind.RIM)  # those that touch with circles
-RIM_POINTS = 8  # of each rim, on which a cylinder or disc stands
+RIM_POINTS = 8  # of each rim, on which a cylinder or disc stands on a plane; on other bodies there are twice as many
 # what a pass looks at: nodes against all, against all but points; edges; nodes against all. Of the second and the last,
 # the nodes of the other surface and the edges of both are looked at, too: what a node stands for is itself alone
 # CONVEX: all of two convex bodies, MESHES: of other surfaces of triangles, whichever is the node side; CORNERS, within
@@ -104,8 +104,8 @@ class SpatialSurface:
 
     points: material points (vertices of triangles; centre of a sphere or hole; both ends of the axis of a capsule;
     three points of a plane, a metre apart, seen counter-clockwise from outside; the centres of both rims of a cylinder,
-    or of a rim and another point on its axis, and points on them). radius [m] of spheres, holes, capsules, cylinders
-    and rims. triangles (T, 3): of which points,
+    or of a rim and another point on its axis, and points on them, of cylinders those half-way between, too).
+    radius [m] of spheres, holes, capsules, cylinders and rims. triangles (T, 3): of which points,
     counter-clockwise seen from outside; none: the points alone are known.
     """
 
@@ -130,7 +130,7 @@ class SpatialSurface:
     def partners(self) -> str:
         """What surfaces it can touch, in words."""
         found = [kind.value for kind in SpatialKind if self.can_touch(SpatialSurface(kind, ()))]
-        hint = "; among other bodies, a ConvexHull of its points" if self.kind is SpatialKind.CYLINDER else ""
+        hint = "; on meshes, a ConvexHull of its points" if self.kind is SpatialKind.CYLINDER else ""
         return f"a {self.kind.value} with one of: {', '.join(found)}{hint}"
 
     def node_sides(self) -> str:
@@ -149,10 +149,15 @@ class SpatialSurface:
         node_side: the one that was chosen.
         """
         codes = CODES[self.kind], CODES[other.kind]
-        whole = (self.kind, other.kind) in (ON_CYLINDER, ON_CYLINDER[::-1]) or codes == (POLYHEDRON, POLYHEDRON)
+        whole = (self.kind, other.kind) in (ON_CYLINDER, ON_CYLINDER[::-1]) or are_convex(codes)
         if node_side is not None and not whole:  # else edges touch, too, in any case
             return (Pass(node_side, 1 - node_side),)
         return passes_of(codes, self.deforms or other.deforms, (len(self.points), len(other.points)))
+
+
+def are_convex(kinds: tuple[int, int]) -> bool:
+    """Whether two surfaces, by the codes of their kinds, touch as convex bodies do: with one manifold."""
+    return all(code in (CYLINDER, POLYHEDRON) for code in kinds)
 
 
 def passes_of(kinds: tuple[int, int], deform: bool, points: tuple[int, int]) -> tuple[Pass, ...]:
@@ -164,8 +169,8 @@ def passes_of(kinds: tuple[int, int], deform: bool, points: tuple[int, int]) -> 
     """
     first = 0 if RANKS[kinds[0]] <= RANKS[kinds[1]] else 1
     other = 1 - first
-    if kinds == (POLYHEDRON, POLYHEDRON):
-        return (Pass(0, 1, CONVEX),)
+    if are_convex(kinds):
+        return (Pass(first, other, CONVEX),)
     if not TOUCHES[kinds[first], kinds[other]]:
         return (Pass(other, first),)
     if kinds[first] == CAPSULE and kinds[other] == CYLINDER:
@@ -200,9 +205,9 @@ def surface_of(shape: Shape) -> SpatialSurface | None:
     return None
 
 
-def _circle(radius: float) -> FloatArray:
-    """(RIM_POINTS, 3) places on a circle about z."""
-    angles = np.arange(RIM_POINTS) * (2.0 * math.pi / RIM_POINTS)
+def _circle(radius: float, behind: float = 0.0) -> FloatArray:
+    """(RIM_POINTS, 3) places on a circle about z, by a part of their distance ``behind``."""
+    angles = (np.arange(RIM_POINTS) + behind) * (2.0 * math.pi / RIM_POINTS)
     return radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(RIM_POINTS)])
 
 
@@ -221,10 +226,11 @@ def cylinder(center: SpatialPoint, axis: FloatArray, radius: float, length: floa
 
 
 def _cylinder(center: SpatialPoint, axes: FloatArray, radius: float, length: float) -> SpatialSurface:
-    """Along the third row of ``axes`` (3, 3): the centres of both rims, and points on them."""
+    """Along the third row of ``axes`` (3, 3): the centres of both rims, points on them, and those half-way between."""
     ends = [0.5 * sign * length * axes[2] for sign in (-1.0, 1.0)]
-    around = _circle(radius) @ axes
-    points = (carried(center, offset) for offset in (*ends, *(end + offset for end in ends for offset in around)))
+    around, between = _circle(radius) @ axes, _circle(radius, 0.5) @ axes
+    rims = [end + offset for circle in (around, between) for end in ends for offset in circle]
+    points = (carried(center, offset) for offset in (*ends, *rims))
     return SpatialSurface(SpatialKind.CYLINDER, tuple(points), radius)
 
 

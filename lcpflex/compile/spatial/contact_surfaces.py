@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from lcpflex.bodies.spatial.surface import RIMMED, SpatialKind, SpatialSurface
+from lcpflex.bodies.spatial.surface import RIM_POINTS, RIMMED, SpatialKind, SpatialSurface
 from lcpflex.compile.spatial.features import Feature
 from lcpflex.compile.spatial.mesh_features import mesh_features
 from lcpflex.contact.spatial.kinds import CAP, EDGE, FACET, PLANE, POINT, RIM, SIDE
@@ -23,7 +23,8 @@ CARRIERS = tuple(kind for kind in SpatialKind if kind not in (*PLANAR, SpatialKi
 def nodes_of(surface: SpatialSurface, indices: Sequence[int]) -> list[tuple[int, float]]:
     """(point, radius) of what may touch others."""
     if surface.kind in RIMMED:
-        return [(index, 0.0) for index in indices[2:]]
+        ends = [(index, surface.radius) for index in indices[:2]] if surface.kind is SpatialKind.CYLINDER else []
+        return [*((index, 0.0) for index in indices[2:]), *ends]
     return [(index, surface.radius) for index in indices] if surface.kind in CARRIERS else []
 
 
@@ -44,9 +45,19 @@ def features_of(surface: SpatialSurface, indices: Sequence[int], first: int) -> 
         low, high = indices[:2]
         rims = [Feature(RIM, (p, q, p), radius) for p, q in ((low, high), (high, low))]
         half = 0.5 * float(np.linalg.norm(surface.points[1].place - surface.points[0].place))
-        ends = [Feature(CAP, (p, p, p), radius, depth=half) for p in (low, high)]
-        return [*rims, Feature(SIDE, (low, high, low), radius, depth=radius), *ends]
+        around = [_around(indices, end) for end in range(2)]
+        quarter = RIM_POINTS // 2  # seen from outside, the points of the lower rim come clockwise
+        flats = [(low, around[0][quarter], around[0][0]), (high, around[1][0], around[1][quarter])]
+        ends = [Feature(CAP, flat, radius, depth=half) for flat in flats]
+        chords = [Feature(EDGE, (a, b, a)) for ring in around for a, b in zip(ring, ring[1:] + ring[:1], strict=True)]
+        return [*rims, Feature(SIDE, (low, high, low), radius, depth=radius), *ends, *chords]
     return mesh_features(surface, indices, first) if kind in MESHES else []
+
+
+def _around(indices: Sequence[int], end: int) -> list[int]:
+    """The material points of a rim of a cylinder, in their order along it."""
+    first, between = (indices[2 + k * RIM_POINTS : 2 + (k + 1) * RIM_POINTS] for k in (end, 2 + end))
+    return [point for pair in zip(first, between, strict=True) for point in pair]
 
 
 def boxes_of(features: Sequence[Feature], places: Mapping[int, FloatArray]) -> tuple[FloatArray, FloatArray]:
@@ -67,7 +78,8 @@ def boxes_of(features: Sequence[Feature], places: Mapping[int, FloatArray]) -> t
 
 def bounds_of(surface: SpatialSurface) -> tuple[float, float, float, float]:
     """Sphere (x, y, z, radius), undeformed, that holds the surface and all nodes that belong to it."""
-    places = np.array([point.place for point in surface.points])
+    points = surface.points[: 2 + 2 * RIM_POINTS] if surface.kind is SpatialKind.CYLINDER else surface.points
+    places = np.array([point.place for point in points])
     if surface.kind in PLANAR:
         return (*places[0], math.inf)
     if surface.kind is SpatialKind.HOLE:  # any depth behind its wall belongs to it

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.contact.spatial.table import (
+    EDGE_CAP,
     EDGE_EDGE,
     EDGE_FACET,
     EDGE_RIM,
@@ -24,6 +25,7 @@ __all__ = [
     "load_crossing",
     "load_edge_by_rim",
     "load_edge_by_side",
+    "load_edge_on_cap",
     "load_edges",
     "load_node",
     "load_rim",
@@ -156,3 +158,12 @@ def load_edge_by_rim(
     table.radius[k, 1] = 0.0
     table.radius[k, 2] = model.contacts.feature_radius[first]
     table.foot[k, 1] = half
+
+
+@kernel
+def load_edge_on_cap(
+    model: SpatialModel, table: SpatialContactTable, k: int, law: int, e: int, first: int, end: int, half: float
+) -> None:
+    """Entry k, of an edge that leaves (half > 0) or enters the circle about end 0 or 1: with the keys of its rim."""
+    load_edge_by_rim(model, table, k, law, e, first, end, half)
+    table.kind[k] = EDGE_CAP

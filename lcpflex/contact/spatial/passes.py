@@ -6,13 +6,14 @@ renewed by :func:`lcpflex.contact.spatial.pairs.refresh`, with the features kept
 
 from __future__ import annotations
 
-from lcpflex.bodies.spatial.surface import CONVEX, EDGES, MESHES, RIM_POINTS, TWO_SIDED
+from lcpflex.bodies.spatial.surface import CONVEX, CYLINDER, EDGES, MESHES, RIM_POINTS, TWO_SIDED
 from lcpflex.contact.spatial.bounds import plane_vector, set_over_plane
 from lcpflex.contact.spatial.cylinder_edge_pass import edges_on_cylinder
 from lcpflex.contact.spatial.cylinder_pass import nodes_on_cylinder
 from lcpflex.contact.spatial.edge_pass import edges_on_edges
 from lcpflex.contact.spatial.entries import load_node, load_rim
 from lcpflex.contact.spatial.kinds import PLANE, POINT, RIM
+from lcpflex.contact.spatial.manifold.cylinders import cylinder_touches, cylinders_touch
 from lcpflex.contact.spatial.manifold.hulls import APART, polyhedra_touch
 from lcpflex.contact.spatial.mesh_detection import meshes_touch
 from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, rim_axis
@@ -122,6 +123,20 @@ def nearest_features(
 
 
 @kernel
+def bodies_touch(
+    model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, n: int
+) -> int:
+    """Contacts of two convex bodies, cylinders first, from entry n on; the new count."""
+    kind = model.contacts.surface_kind
+    if kind[a] != CYLINDER:
+        count = polyhedra_touch(model, q, margin, table, a, b, law, n)
+        return nearest_features(model, q, margin, table, a, b, law, TWO_SIDED, n) if count == APART else count
+    if kind[b] != CYLINDER:
+        return cylinder_touches(model, q, margin, table, a, b, law, n)
+    return cylinders_touch(model, q, margin, table, a, b, law, n)
+
+
+@kernel
 def detect_pass(
     model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, mode: int,
     n: int,
@@ -129,8 +144,7 @@ def detect_pass(
     """Contacts of the nodes, rims or edges of surface a with the features of b, from entry n on; the new count."""
     c = model.contacts
     if mode == CONVEX:
-        count = polyhedra_touch(model, q, margin, table, a, b, law, n)
-        return nearest_features(model, q, margin, table, a, b, law, TWO_SIDED, n) if count == APART else count
+        return bodies_touch(model, q, margin, table, a, b, law, n)
     if mode == MESHES:
         return meshes_touch(model, q, margin, table, a, b, law, n)
     if mode == EDGES and c.feature_kind[c.feature_start[b]] == RIM:

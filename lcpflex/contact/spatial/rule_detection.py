@@ -42,7 +42,7 @@ def detect_between(
     kind_a, kind_b = c.surface_kind[a], c.surface_kind[b]
     if not near_surfaces(model, q, table, a, b, margin):
         return n
-    if kind_a == POLYHEDRON and kind_b == POLYHEDRON:
+    if kind_a in (CYLINDER, POLYHEDRON) and kind_b in (CYLINDER, POLYHEDRON):
         return detect_pass(model, q, margin, table, a, b, law, CONVEX, n)
     if are_meshes(model, a, b):
         return detect_pass(model, q, margin, table, a, b, law, MESHES, n)

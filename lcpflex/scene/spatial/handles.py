@@ -113,8 +113,8 @@ class SpatialPlaced(PlacedBody):
     def cylinder(self, center: Place, axis: npt.ArrayLike, radius: float, length: float) -> PlacedSurface:
         """A solid cylinder of ``radius`` and ``length`` > 0 [m] about ``axis`` (3,), its middle at ``center``.
 
-        It is carried rigidly by the material at ``center``. Spheres and nodes touch its side, its flat ends and their
-        rims, planes its rims.
+        It is carried rigidly by the material at ``center``. Spheres, nodes, capsules, boxes, convex hulls and other
+        cylinders touch its side, its flat ends and their rims, planes its rims.
         """
         direction = _direction("axis", axis)
         place = self._located(center, "center")

@@ -10,6 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
+from lcpflex.bodies.spatial.shapes import SurfaceShape
 from lcpflex.contact.near import near
 from lcpflex.jit.struct import pack
 
@@ -42,8 +43,10 @@ def log(body: Any) -> Any:
     return body.cylinder((0.0, 0.0, 0.0), UP, 0.1, 0.3)
 
 
-def box_of(scene: lf.SpatialScene) -> Any:
-    return scene.add(lf.Cuboid(1.0, 1.0, 1.0, mass=1.0)).surface()
+def mesh_of(scene: lf.SpatialScene) -> Any:
+    corners = np.vstack([np.zeros(3), np.eye(3)])
+    shape = SurfaceShape(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]), np.zeros((4, 0, 3)))
+    return scene.add(lf.SpatialBody(mass=1.0, inertia=np.eye(3), shape=shape)).surface()
 
 
 @pytest.mark.parametrize(
@@ -70,12 +73,8 @@ def box_of(scene: lf.SpatialScene) -> Any:
         (lambda s, a, b: s.contact(a.rim("center", UP, 1.0), b.rim("center", UP, 1.0)), "rim with one of: plane"),
         (lambda s, a, b: s.contact(a.rim("center", UP, 1.0), log(b)), "rim.*cylinder.*with one of: plane$"),
         (
-            lambda s, a, b: s.contact(log(a), log(b)),
-            "a cylinder with one of: node, sphere, capsule, plane; .*ConvexHull",
-        ),
-        (
-            lambda s, a, b: s.contact(log(a), box_of(s)),
-            "convex polyhedron.*a cylinder with one of: node, sphere, capsule, plane; .*ConvexHull",
+            lambda s, a, b: s.contact(log(a), mesh_of(s)),
+            "a cylinder with one of: node, sphere, capsule, cylinder, convex polyhedron, plane; .*ConvexHull",
         ),
         (lambda s, a, b: s.contact(log(a), b.hole(UP, 1.0)), "a cylinder.*a hole.*which cannot touch each other"),
         (lambda s, a, b: s.contact(log(a), b.surface(), node_side=log(a)), "node_side"),
