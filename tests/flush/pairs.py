@@ -1,0 +1,161 @@
+"""Two bodies with flat faces on each other: their shapes for the package, and for brute force."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+import lcpflex as lf
+from lcpflex.contact.near import near
+from lcpflex.jit.struct import pack
+from tests.flush.places import Place
+from tests.flush.polytopes import Polytope, between, polytope, shadows_overlap
+
+__all__ = ["BRICK", "KINDS", "ROUND", "Detected", "Kind", "box", "deviations", "drum", "gem", "prism"]
+
+BRICK = (0.2, 0.1, 0.06)  # [m]
+
+
+EXACT = 1e-8  # of the size: what a gap may be off
+SHALLOWER = 2e-4  # of the depth, likewise: a face is preferred to pairs of edges whose axis is within .02 rad of it
+
+
+class Shape(NamedTuple):
+    """A body, its corners in its frame, and how high its centre is above the face it stands on [m]."""
+
+    body: lf.SpatialBody
+    corners: Any
+    height: float
+
+
+def box(a: float, b: float, c: float, mass: float = 1.0) -> Shape:
+    """A cuboid."""
+    corners = np.array([(x, y, z) for x in (-a, a) for y in (-b, b) for z in (-c, c)]) / 2.0
+    return Shape(lf.Cuboid(a, b, c, mass=mass), corners, 0.5 * c)
+
+
+def prism(sides: int, radius: float, height: float, mass: float = 1.0) -> Shape:
+    """Upright, as a hull, a flat side of it towards +x."""
+    angles = (np.arange(sides) + 0.5) * 2.0 * np.pi / sides
+    ring = radius * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    corners = np.array([(*xy, z) for z in (-0.5 * height, 0.5 * height) for xy in ring])
+    return Shape(lf.ConvexHull(corners, mass=mass), corners, 0.5 * height)
+
+
+def gem(seed: int, corners: int = 20, size: float = 0.1) -> Shape:
+    """A hull of random points on a ball, cut flat below and above; it stands on many corners."""
+    rng = np.random.default_rng(seed)
+    points = rng.normal(size=(corners, 3))
+    points *= size / np.linalg.norm(points, axis=1)[:, None]
+    points[:, 2] = np.clip(points[:, 2], -0.5 * size, 0.5 * size)
+    rings = np.linspace(0.0, 2.0 * np.pi, 6)[:-1]  # both flat ends are wide, whatever was drawn
+    wide = 0.7 * size * np.stack([np.cos(rings), np.sin(rings)], axis=-1)
+    points = np.concatenate([points, [(*xy, z) for xy in wide for z in (-0.5 * size, 0.5 * size)]])
+    body = lf.ConvexHull(points, mass=1.0)
+    vertices = np.array(body.shape.vertices)  # type: ignore[union-attr]  # in the frame of the mass centre
+    return Shape(body, vertices, -float(vertices[:, 2].min()))
+
+
+def drum(radius: float, length: float, mass: float = 1.0) -> Shape:
+    """A cylinder about z, for brute force a prism inside of it."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 257)[:-1]
+    corners = np.array([(radius * np.cos(a), radius * np.sin(a), z) for a in angles for z in (-length / 2, length / 2)])
+    return Shape(lf.Cylinder(radius, length, mass=mass), corners, 0.5 * length)
+
+
+class Kind(NamedTuple):
+    """The upper body on the lower one."""
+
+    low: Shape
+    up: Shape
+    width: float  # [m] what offsets are measured by
+    start: float = 0.0  # x of the upper body before it is put aside [m]
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the smaller body [m]."""
+        return min(2.0 * float(np.linalg.norm(shape.corners, axis=1).max()) for shape in (self.low, self.up))
+
+    @property
+    def touches(self) -> bool:
+        """Whether there is a contact of these kinds."""
+        scene = lf.SpatialScene()
+        low, up = (scene.add(shape.body).surface() for shape in (self.low, self.up))
+        return bool(low.shape.can_touch(up.shape))
+
+
+def _bar() -> Shape:
+    """Upright: what two of them do end to end."""
+    return box(0.02, 0.02, 0.2)
+
+
+KINDS = {
+    "box on box": Kind(box(*BRICK), box(*BRICK), 0.1),
+    "box on a wider box": Kind(box(0.4, 0.3, 0.1), box(*BRICK), 0.1),
+    "brick on half a brick": Kind(box(*BRICK), box(*BRICK), 0.1, start=0.1),
+    "prism on box": Kind(box(*BRICK), prism(6, 0.06, 0.08), 0.1),
+    "box on prism": Kind(prism(8, 0.1, 0.06), box(*BRICK), 0.1),
+    "gem on box": Kind(box(*BRICK), gem(3), 0.1),
+    "gem on gem": Kind(gem(3), gem(4), 0.1),
+    "bar on bar": Kind(_bar(), _bar(), 0.02),
+}
+# a cylinder, for brute force, is no polytope: its scenes rest and move, but its gaps are not judged here
+ROUND = {"drum on box": Kind(box(*BRICK), drum(0.04, 0.06), 0.1)}
+
+
+class Detected(NamedTuple):
+    """Least gap of what detection finds (infinite if nothing), and its bounds by brute force [m]."""
+
+    gap: float
+    least: float
+    most: float
+    overlap: float  # of the shadows [m]
+
+
+class _Detector:
+    """The package's answer, the lower body at the origin."""
+
+    def __init__(self, kind: Kind) -> None:
+        scene = lf.SpatialScene()
+        low, up = scene.add(kind.low.body), scene.add(kind.up.body)
+        scene.contact(low.surface(), up.surface())
+        compiled = scene.compile(indents=lambda name: True)
+        self.model, self.q = pack(compiled.model), compiled.q.copy()
+
+    def gap(self, shift: Any, turn: Rotation, margin: float) -> float:
+        self.q[7:10] = shift
+        self.q[10:14] = np.roll(turn.as_quat(), 1)
+        table, n = near(self.model, self.q, margin)
+        return float(table.gap[:n].min(initial=np.inf))
+
+
+def detections(kind: Kind, places: Iterable[Place], gap: float, margin: float) -> Iterator[tuple[Place, Detected]]:
+    """At each place, with the lowest corner of the upper body by ``gap`` above the lower one's upper face."""
+    detector = _Detector(kind)
+    low = polytope(kind.low.corners)
+    up = polytope(kind.up.corners)
+    top = float(low.vertices[:, 2].max())
+    for place in places:
+        turn = place.turn()
+        lowest = float(turn.apply(up.vertices)[:, 2].min())
+        shift = place.at(kind.width, kind.start, top - lowest + gap)
+        moved: Polytope = up.moved(turn, shift)
+        found = Detected(detector.gap(shift, turn, margin), *between(low, moved), shadows_overlap(low, moved))
+        yield place, found
+
+
+def deviations(kind: Kind, places: Iterable[Place], gap: float, margin: float) -> dict[str, list[tuple[Place, float]]]:
+    """Places where nothing was found though the bodies are near and overlap in shadow, and where the gap is wrong."""
+    lost, off = [], []
+    for place, found in detections(kind, places, gap, margin):
+        if not np.isfinite(found.gap):
+            if found.overlap > 1e-9 * kind.size and found.most < margin:
+                lost.append((place, found.overlap))
+            continue
+        error = max(found.least - found.gap, found.gap - found.most)
+        if error > EXACT * kind.size + SHALLOWER * max(0.0, -found.most):
+            off.append((place, error / kind.size))
+    return {"lost": lost, "off": off}
