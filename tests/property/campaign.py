@@ -15,7 +15,7 @@ import argparse
 import json
 import time
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ from lcpflex.gallery.acceptance.table import CAMPAIGN
 from tests.property.judge import AGREED, LEAST, OFF, TIMES, judge
 from tests.property.random_scenes import draw
 
-__all__ = ["JUDGED", "RIGHT", "passes", "quiet_share", "summary"]
+__all__ = ["JUDGED", "RIGHT", "passes", "quiet_share", "read", "run", "summary"]
 
 RIGHT = ("quiet", "warned")
 JUDGED = (*RIGHT, "silent", "loud", "stated")
@@ -31,8 +31,9 @@ ENOUGH = 500  # judged scenes of a whole campaign
 QUIET = 0.7  # share of the right runs that must have no warning
 
 
-def run(seeds: Iterable[int], log: Path) -> None:
-    """Judge the seeds that the log does not hold yet."""
+def run(seeds: Iterable[int], log: Path, judged: Callable[[int], dict[str, Any]] | None = None) -> None:
+    """Judge the seeds that the log does not hold yet; ``judged``: another judge, which gives a line for the log."""
+    judged = judged or (lambda seed: judge(draw(seed)).line())
     done = {line["seed"] for line in read([log])} if log.exists() else set()
     counts: Counter[str] = Counter()
     began = time.perf_counter()
@@ -40,7 +41,7 @@ def run(seeds: Iterable[int], log: Path) -> None:
     with log.open("a", encoding="utf-8") as file:
         for number, seed in enumerate(todo, 1):
             try:
-                line = judge(draw(seed)).line()
+                line = judged(seed)
             except Exception as error:  # a run that breaks is a finding like any other
                 line = {"seed": seed, "outcome": "broken", "said": f"{type(error).__name__}: {error}"[:400]}
             counts[line["outcome"]] += 1
