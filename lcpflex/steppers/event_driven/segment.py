@@ -165,6 +165,20 @@ def tolerance_of(settings: EventSettings, memory: EventMemory, kind: int) -> flo
     return FORCE_TOLERANCE * memory.force
 
 
+@in_space("lcpflex.steppers.spatial.sliding")
+@kernel
+def watched_first(memory: EventMemory, place: int) -> int:
+    """Which watched function is asked at a place of the order: in the plane they are asked as they are numbered."""
+    return place
+
+
+@in_space("lcpflex.steppers.spatial.sliding")
+@kernel
+def before_it_leaves(memory: EventMemory, low: float, high: float) -> float:
+    """Share of a step at which forces are looked at, too, where a foot leaves at ``high``: in the plane at none."""
+    return high
+
+
 @in_space("lcpflex.steppers.spatial.speeds")
 @kernel
 def unseen_step(model: Model, margin: float, memory: EventMemory) -> float:
@@ -283,7 +297,8 @@ def measure(model: Model, work: Workspace, memory: EventMemory, share: float) ->
 @kernel
 def violated(settings: EventSettings, memory: EventMemory) -> bool:
     """Whether a watched function is below zero; which one, to memory.kind and memory.which."""
-    for kind in range(4):
+    for place in range(4):
+        kind = watched_first(memory, place)
         tolerance = tolerance_of(settings, memory, kind)
         for k in range(memory.n_contacts):
             if memory.value[kind, k] < -tolerance:
@@ -336,6 +351,7 @@ def search(model: Model, settings: EventSettings, work: Workspace, memory: Event
             for k in range(n):
                 memory.old_value[kind, k] = memory.value[kind, k]
         target = high  # the root finder is at work where this is behind the end known so far
+        looked = False
         while n > 0:
             measure(model, work, memory, target)
             kind = memory.kind
@@ -362,6 +378,13 @@ def search(model: Model, settings: EventSettings, work: Workspace, memory: Event
                 if asked(memory.bracket) < 0.0 or not asked(memory.bracket) < high:
                     memory.cause = kind
                     break
+            elif memory.cause == SPAN and not looked and before_it_leaves(memory, low, high) < high:
+                looked = True
+                measure(model, work, memory, before_it_leaves(memory, low, high))
+                if violated(settings, memory):
+                    high = before_it_leaves(memory, low, high)
+                target = high
+                continue
             else:
                 break
             target = asked(memory.bracket)

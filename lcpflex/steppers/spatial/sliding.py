@@ -39,6 +39,7 @@ from lcpflex.steppers.spatial.records import note_spatial_contact
 
 __all__ = [
     "add_rates",
+    "before_it_leaves",
     "count_impulses",
     "first_side",
     "note_forces",
@@ -47,6 +48,7 @@ __all__ = [
     "turning_time",
     "used",
     "watch",
+    "watched_first",
 ]
 
 SUMS = 4  # of each declared contact: normal impulse, that of friction in world axes
@@ -54,6 +56,7 @@ GRAIN = 1e-3  # of the threshold: how far below it slip may be
 INCONSISTENT = (
     1e-4  # of the largest force: more that a contact misses is no rounding, nor that of drives told by differences
 )
+JUST_BEFORE = 1e-3  # of a sample of a step: before the end of which a force that changes its sign there has its old one
 PART = 0.5  # of |gamma| / |gammadot|: the longest step
 
 
@@ -167,6 +170,22 @@ def tolerance_of(settings: EventSettings, memory: Any, kind: int) -> float:
     if kind == SLIDES:
         return GRAIN * settings.slip_threshold
     return FORCE_TOLERANCE * memory.force
+
+
+@kernel
+def watched_first(memory: Any, place: int) -> int:
+    """Which watched function is asked at a place of the order: feet first, where one has left forces mean nothing."""
+    return SPAN if place == 0 else place - 1
+
+
+@kernel
+def before_it_leaves(memory: Any, low: float, high: float) -> float:
+    """Share of a step at which forces are looked at, too, where a foot leaves at ``high``.
+
+    Where a crossing leaves by the end of an edge it meets the vertex there, and the load that both share is divided by
+    the distance between them: it grows beyond all bounds, of one sign before and of the other behind.
+    """
+    return high - JUST_BEFORE * (high - low)
 
 
 @kernel
