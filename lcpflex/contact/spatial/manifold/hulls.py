@@ -32,7 +32,8 @@ __all__ = ["APART", "polyhedra_touch"]
 APART = -1  # instead of a count: no face and no two edges are nearest to each other, nothing touches
 
 # of the size, the smaller body's diagonal
-THIN = 1e-9  # corners that are so near each other are one, and sides so thick: stands for rounding
+THIN = 2.5e-10  # sides are so thick: stands for rounding, and is less than what ends an entry
+ONE = 1e-8  # corners so near each other are one: a face that leaves by its end has no other corner beside that
 TIE = 1e-9  # by which the first body's face must be farther from the other to be the reference: not by rounding
 SHALLOW = 1e-6  # by which edges must be farther apart than faces, with a tenth of the depth: else the patch tells more
 DROP = 1e-7  # by which an edge must fall below a face beyond its side, with its depth there, to hang on that side
@@ -207,7 +208,7 @@ def lay_patch(
     """Entries of a patch, from entry n on; the new count."""
     m, now = clip_face(model, patch.p, patch.g, patch.pose, patch.thin, table.patch, table.trace)
     at, trace = table.patch[now], table.trace[now]
-    m = merge_corners(at, trace, m, patch.normal, patch.thin)
+    m = merge_corners(at, trace, m, patch.normal, ONE * patch.size)
     lay_weights(at, m, patch.normal, patch.thin * patch.size)
     first = n
     for k in range(m):
