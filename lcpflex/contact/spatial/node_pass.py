@@ -121,15 +121,9 @@ def collect(
 ) -> int:  # fmt: skip
     """Candidates of one node with the features of surface b, at most ``highest`` above them; returns the new count.
 
-<<<<<<< HEAD
-    m: outward normal of the node, in the frame of the features, as its place. In passes of two sides a node touches
-    what its own facets face alone: a node within a flat face would catch the side of a body that slides over it. Above
-    what it cannot touch a node is outside of the solid all the same, and is not deep below a facet of its far side: so
-    one on the rim of a flush face, which elastic displacements have brought beyond that of the other.
-=======
     m: outward normal of the node, in the frame of the features, as its place; ``facing``: how far they face it at
-    least.
->>>>>>> bd66184d (contact: faces of meshes hold each other at any offset)
+    least. Above what it cannot touch a node is outside of the solid all the same, and is not deep below a facet of its
+    far side: so one on the rim of a flush face, which elastic displacements have brought beyond that of the other.
     """
     c = model.contacts
     near = highest + table.bound[b, 3] + max(thin, band)

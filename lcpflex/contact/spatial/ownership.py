@@ -6,15 +6,11 @@ outside place has one owner, and the least distance to a feature is that to the 
 facets alone, down to a depth; across a hollow side a facet goes on below the one that it meets there.
 
 The planes between features are those of the facets, and facets own what is on them, to a thickness that stands for
-<<<<<<< HEAD
 rounding. Facets of a body that deforms own more below them: where a flat face is bent to a hollow, places below the
-side between two facets would be in neither, and deep below a facet of the far side. Source: Ericson, Real-Time
-Collision Detection (2005), 5.1.
-=======
-rounding. Facets may also have what is up to a band beside them, if no other one owns it.
+side between two facets would be in neither, and deep below a facet of the far side. Facets may also have what is up to
+a band beside them, if no other one owns it.
 
 Source: Ericson, Real-Time Collision Detection (2005), 5.1.
->>>>>>> bd66184d (contact: faces of meshes hold each other at any offset)
 """
 
 from __future__ import annotations
@@ -22,12 +18,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from lcpflex.contact.spatial.kinds import EDGE, FACET
-<<<<<<< HEAD
-from lcpflex.contact.spatial.narrow_phase.sides import Frame, is_rigid, place_in
-=======
 from lcpflex.contact.spatial.mesh_pairs import DEEP
-from lcpflex.contact.spatial.narrow_phase.sides import Frame, place_in
->>>>>>> bd66184d (contact: faces of meshes hold each other at any offset)
+from lcpflex.contact.spatial.narrow_phase.sides import Frame, is_rigid, place_in
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import NOTHING, apart_from, dot, norm, scaled
@@ -53,12 +45,8 @@ class Over(NamedTuple):
     beside: float  # > 0: a facet has it though it is so far beside it [m]
 
 
-<<<<<<< HEAD
-NOWHERE = Over(False, 0.0, NOTHING)
-SEAM = 0.05  # [rad] by which facets of one face, or of a bulge, are bent to a hollow that they hold together, at most
-=======
 NOWHERE = Over(False, 0.0, NOTHING, 0.0)
->>>>>>> bd66184d (contact: faces of meshes hold each other at any offset)
+SEAM = 0.05  # [rad] by which facets of one face, or of a bulge, are bent to a hollow that they hold together, at most
 
 
 @kernel
