@@ -126,7 +126,7 @@ class SpatialContacts(NamedTuple):
     feature_radius: FloatArray  # (features,) of edges and spheres; < 0: touched from inside [m]
     feature_depth: FloatArray  # (features,) how deep below it a node belongs to it [m]; infinite for planes
     feature_neighbour: IntArray  # (features, 3) facets: across the hollow sides opposite a, b, c; of edges; -1: none
-    # of a polygon: its number first
+    # of a polygon: its number first; of edges of meshes the third one is no facet, but tells whether they are sharp
     fan_start: IntArray  # (features + 1,) offsets into the fans
     fan: IntArray  # material points at the other ends of all edges of a vertex
     # boxes about the features of each surface, undeformed, in the order of a search; see compile.spatial.feature_tree

@@ -15,5 +15,5 @@ class Feature(NamedTuple):
     points: tuple[int, int, int]
     radius: float = 0.0
     depth: float = math.inf
-    neighbour: tuple[int, int, int] = (-1, -1, -1)  # of facets across their hollow sides; of edges both facets
+    neighbour: tuple[int, int, int] = (-1, -1, -1)  # of facets across their hollow sides; of edges both facets, sharp?
     fan: tuple[int, ...] = ()  # of vertices: the points at the other ends of their edges

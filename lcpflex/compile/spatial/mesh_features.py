@@ -44,7 +44,7 @@ def mesh_features(surface: SpatialSurface, indices: Sequence[int], first: int) -
         if turn > least:
             facets = [first + facet for facet, _ in sides]
             depth = min(float(depths[facet]) for facet, _ in sides)
-            neighbour = (facets[0], facets[1] if len(facets) == 2 else -1, -1)
+            neighbour = (facets[0], facets[1] if len(facets) == 2 else -1, 1 if turn > BENT else -1)
             features.append(Feature(EDGE, (indices[a], indices[b], indices[a]), depth=depth, neighbour=neighbour))
             bulging |= {a, b}
         if turn < -STRAIGHT:

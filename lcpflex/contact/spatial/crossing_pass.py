@@ -9,11 +9,12 @@ must meet the other surface as an edge: nodes hold a face beside it.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from lcpflex.contact.spatial.edge_pass import Wedge, in_wedge, out_by_its_end, seen_in, sense_of, wedge_of
 from lcpflex.contact.spatial.entries import load_edges
 from lcpflex.contact.spatial.kinds import EDGE
-from lcpflex.contact.spatial.mesh_pairs import BENT, DEEP, band_between, deforms
+from lcpflex.contact.spatial.mesh_pairs import DEEP, band_between, deforms
 from lcpflex.contact.spatial.narrow_phase.edges import END, TILT, crossing_of
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, frame_of, place_in, seen_from, world_place
 from lcpflex.contact.spatial.pairs import locate
@@ -26,15 +27,15 @@ from lcpflex.model.spatial import SpatialModel
 __all__ = ["crossings_of_meshes"]
 
 ALONG = 5e-5  # sine of the angle below which edges cross nowhere for certain: over a band their ends are as near
-UNBENT = math.cos(BENT)
 FLAT = math.cos(2.0 * TILT)
 LYING = math.cos(0.3)  # [rad] a face that is less off a surface that deforms has its nodes: see TURNED
 
 
-@kernel
-def is_sharp(wedge: Wedge) -> bool:
-    """Whether an edge turns by more than deformation bends a flat one."""
-    return dot(wedge.n1, wedge.n2) < UNBENT
+class Sharp(NamedTuple):
+    """Whether two edges turn by more than deformation bends flat ones."""
+
+    e: bool
+    f: bool
 
 
 @kernel
@@ -44,14 +45,11 @@ def along_facet(wedge: Wedge, n: Vector) -> float:
 
 
 @kernel
-def is_told_by_nodes(e: Wedge, f: Wedge, n: Vector) -> bool:
+def is_told_by_nodes(e: Wedge, f: Wedge, n: Vector, sharp: Sharp) -> bool:
     """Whether nodes hold two edges that cross with the normal n, one of them belonging to a surface that deforms."""
-    of_e, of_f = is_sharp(e), is_sharp(f)
-    if of_e and of_f:
+    if sharp.e and sharp.f:
         return False
-    if of_e or of_f:
-        return along_facet(e, scaled(-1.0, n)) > LYING if of_e else along_facet(f, n) > LYING
-    return True
+    return along_facet(e, scaled(-1.0, n)) > LYING if sharp.e else along_facet(f, n) > LYING
 
 
 @kernel
@@ -62,7 +60,8 @@ def leads_out(wedge: Wedge, n: Vector) -> bool:
 
 @kernel
 def touch(
-    e: Wedge, f: Wedge, n: Vector, s: float, t: float, height: float, margin: float, deep: float, soft: bool
+    e: Wedge, f: Wedge, n: Vector, s: float, t: float, height: float, margin: float, deep: float, soft: bool,
+    sharp: Sharp,
 ) -> float:  # fmt: skip
     """The sense of n as the normal of two edges that cross at s and t, if they have a contact; else 0.
 
@@ -72,7 +71,7 @@ def touch(
     if sense * height > margin:
         return 0.0
     out, back = scaled(sense, n), scaled(-sense, n)
-    if not leads_out(f, out) or not leads_out(e, back) or (soft and is_told_by_nodes(e, f, out)):
+    if not leads_out(f, out) or not leads_out(e, back) or (soft and is_told_by_nodes(e, f, out, sharp)):
         return 0.0
     depth = -sense * height
     if depth <= deep and along_facet(f, out) > FLAT and along_facet(e, back) > FLAT:
@@ -105,6 +104,9 @@ def crossings_of_edge(
             f = c.box_feature[at]
             if c.feature_kind[f] != EDGE:
                 continue
+            sharp = Sharp(c.feature_neighbour[e, 2] >= 0, c.feature_neighbour[f, 2] >= 0)
+            if soft and not sharp.e and not sharp.f:
+                continue
             head = place_in(model.points, q, frame, c.feature_point[f, 0])
             other = apart_from(place_in(model.points, q, frame, c.feature_point[f, 1]), head)
             if not norm(cross(line, other)) > ALONG * norm(line) * norm(other):
@@ -119,7 +121,7 @@ def crossings_of_edge(
             if not known:
                 known = True
                 wedge = seen_in(own, frame, wedge_of(model, q, own, e))
-            sense = touch(wedge, wedge_of(model, q, frame, f), normal, s, t, height, margin, DEEP * band, soft)
+            sense = touch(wedge, wedge_of(model, q, frame, f), normal, s, t, height, margin, DEEP * band, soft, sharp)
             if sense != 0.0:
                 if n < len(table.key):
                     load_edges(model, table, n, law, e, f, sense)
