@@ -27,6 +27,7 @@ from lcpflex.dynamics.impulse import answer_joints
 from lcpflex.dynamics.joint_response import condense
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.shared_sets import share_sets, slides
+from lcpflex.dynamics.spatial.symmetric_sets import solve_symmetric
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.kinematics.spatial.rotations import Vector, cross
@@ -271,6 +272,16 @@ def solve_nearest(work: SpatialWork, sets: Any, m: int) -> None:
 
 
 @kernel
+def is_symmetric(work: SpatialWork, sets: SpatialContactSets) -> bool:
+    """Whether no friction of contacts that slide is in the columns of the island posed last."""
+    for c in range(work.problem.n_contacts):
+        k = work.part[c]
+        if sets.level == FORCE and sets.mode[k] == SLIDING and work.mu[k] > 0.0:
+            return False
+    return True
+
+
+@kernel
 def solve_sets(work: SpatialWork, sets: SpatialContactSets, level: int) -> None:
     """Forces or impulses ``work.p`` of all rows with the sets as they are, island by island."""
     sets.level = level
@@ -281,6 +292,8 @@ def solve_sets(work: SpatialWork, sets: SpatialContactSets, level: int) -> None:
         if referred:
             refer(work, sets, m)
             solve_nearest(work, sets, m)
+        elif is_symmetric(work, sets):
+            solve_symmetric(work, sets, m)
         else:
             rank = solve_consistent(sets, m)
             if rank < m and level == FORCE and slides(work, sets):
