@@ -184,7 +184,7 @@ def _largest(signals: Any, index: int) -> float:
 
 
 CREATED, GREW, UNEXPLAINED = "contact impulses created energy", "the energy grew by", "of energy are unexplained"
-NOT_FINITE, GAVE = "the energies are no longer finite", "impacts, which only take energy, gave"
+NOT_FINITE, GAVE = "the energies are no longer finite", ", which only takes energy, gave"
 
 
 def is_of_energy(text: str) -> bool:
@@ -244,12 +244,14 @@ def energy_doubts(
     steps: int,
     loads: float = 0.0,
     held: float = 0.0,
+    passive: bool = True,
 ) -> tuple[str, ...]:
     """Clauses: energy that came from nowhere, so that the result is not to be trusted.
 
     More than REMAINDER of the largest of what was stored, of the work that was done, and of AT_REST times ``loads``,
     that of :func:`load_energy` [J]: where nothing moves the stored energy is no measure. ``held``: as of
-    :func:`energy_warnings`. What contact impulses created is no doubt where the user accepts it.
+    :func:`energy_warnings`. What contact impulses created is no doubt where the user accepts it. ``passive``: dampers
+    and bodies only take energy, which those of a user's own system need not.
     """
     if not np.isfinite(energies.remainder).all():
         return ()
@@ -257,7 +259,12 @@ def energy_doubts(
     unit = max(energies.scale, AT_REST * loads, float(np.max(np.abs(energies.work), initial=0.0)))
     accepted = float(gain[0]) if energy_growth is EnergyGrowth.ACCEPT else 0.0
     found = []
-    for value, what in ((energies.growth, f"{GREW} {{}} without work of loads"), (energies.given_back, f"{GAVE} {{}}")):
+    fed = max(0.0, -float(np.min(energies.damping, initial=0.0))) if passive else 0.0
+    for value, what in (
+        (energies.growth, f"{GREW} {{}} without work of loads"),
+        (energies.given_back, f"contact{GAVE} {{}}"),
+        (fed, f"damping{GAVE} {{}}"),
+    ):
         if value - accepted > max(REMAINDER * unit, rounding):
             told = f"{value:.4g} J ({_part(value, unit)} of the largest energy stored or work done)"
             found.append(what.format(told))

@@ -333,7 +333,9 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
         crept=crept(laws, found.model.contacts.friction[: len(laws)], data["times"], state, data["force"]),
         found_wrong=(
             *run.records.wrong(),
-            *energy_doubts(energies, run.records.gain, options.energy_growth, run.steps, loads, held),
+            *energy_doubts(
+                energies, run.records.gain, options.energy_growth, run.steps, loads, held, compiled is not None
+            ),
         ),
         notes=(*(compiled.notes if compiled is not None else ()), *options.notes, *run.records.notes),
         place_error=place_error,

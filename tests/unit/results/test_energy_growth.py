@@ -83,6 +83,7 @@ NONE, WARN = (0.0, 0.0, 0.0), lf.EnergyGrowth.WARN
         ([1.0, 0.5, 0.6], {"impact": [0.0, 0.5, 0.4]}, 0.0, 0),  # less is lost than before, in all never less than none
         ([1.0, 0.9, 0.8], {"impact": [0.0, -0.1, -0.1], "friction": [0.0, 0.2, 0.3]}, 0.0, 0),  # Poisson's law may
         ([1.0, 0.5, 0.5], {"impact": [0.0, -0.1, -0.1], "damping": [0.0, 0.6, 0.6]}, 0.0, 1),
+        ([1.0, 1.0, 1.0], {"damping": [0.0, -0.1, -0.1], "friction": [0.0, 0.1, 0.1]}, 0.0, 1),
         ([1e-33, 1e-17, 1e-17], {}, 2.0, 0),  # at rest, pressed
         ([1e-9, 1e-5, 1e-5], {"impact": [0.0, -1e-5, -1e-5]}, 2.0, 0),  # 4 mm/s of 1 kg
         ([1e-9, 1e-4, 1e-4], {"impact": [0.0, -1e-4, -1e-4]}, 2.0, 2),
@@ -93,6 +94,12 @@ def test_energy_from_nowhere_is_a_doubt(
 ) -> None:
     """2 % of the largest of stored energy, work, and a thousandth of loads times size, whatever it is booked as."""
     assert len(energy_doubts(balance(stored, **more), NONE, WARN, 100, loads, loads)) == count
+
+
+def test_damping_of_a_users_own_system_may_feed() -> None:
+    energies = balance([1.0, 1.0, 1.0], damping=[0.0, -0.1, -0.1], friction=[0.0, 0.1, 0.1])
+    assert len(energy_doubts(energies, NONE, WARN, 10)) == 1
+    assert energy_doubts(energies, NONE, WARN, 10, passive=False) == ()
 
 
 def test_energy_that_is_accepted_is_no_doubt() -> None:
