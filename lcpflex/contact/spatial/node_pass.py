@@ -13,7 +13,7 @@ import math
 from lcpflex.bodies.spatial.surface import ALL_FEATURES, CORNERS, NO_POINTS
 from lcpflex.contact.spatial.entries import load_node
 from lcpflex.contact.spatial.kinds import EDGE, FACET, POINT
-from lcpflex.contact.spatial.mesh_pairs import BLUNT, TURNED, are_meshes, band_between, deforms
+from lcpflex.contact.spatial.mesh_pairs import BLUNT, DEEP, TURNED, are_meshes, band_between, deforms
 from lcpflex.contact.spatial.narrow_phase.edges import TILT
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, frame_of, place_in, seen_from, world_place
 from lcpflex.contact.spatial.ownership import corners_of, facet_normal, over
@@ -58,14 +58,16 @@ def touch_each_other(model: SpatialModel, f: int, g: int) -> bool:
 
 @kernel
 def dominated(
-    model: SpatialModel, q: FloatArray, frame: Frame, table: SpatialContactTable, k: int, i: int, thin: float
-) -> bool:
+    model: SpatialModel, q: FloatArray, frame: Frame, table: SpatialContactTable, k: int, i: int, thin: float,
+    deep: float,
+) -> bool:  # fmt: skip
     """Whether what a node has with the feature of candidate k is no contact because of what it has with that of i.
 
     ``gap`` of candidates is that of the centre of the node, ``normal`` in the frame of the features; the first number
-    of their ``foot`` tells how far the node is beside a facet that has it by its band.
+    of their ``foot`` tells how far the node is beside a facet that has it by its band. Being outside takes a node from
+    facets below which it is more than ``deep``: beside the rim of a flush face it is above the side.
     """
-    if i == k or (table.along[i] == BARRED and (table.kind[k] != NODE_FACET or table.gap[k] >= 0.0)):
+    if i == k or (table.along[i] == BARRED and (table.kind[k] != NODE_FACET or table.gap[k] >= -deep)):
         return False
     count = len(model.contacts.feature_kind)
     f, g = table.key[k] % count, table.key[i] % count
@@ -89,7 +91,7 @@ def dominated(
 @kernel
 def keep_contacts(
     model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, frame: Frame, first: int, n: int,
-    thin: float,
+    thin: float, deep: float,
 ) -> int:  # fmt: skip
     """Of the candidates first..n of one node, keep the contacts with gap <= margin; returns the new count."""
     for k in range(first, n):
@@ -98,7 +100,7 @@ def keep_contacts(
         kept = table.gap[k] - table.radius[k, 0] - table.radius[k, 1] <= margin
         if kept and n > first + 1:
             for i in range(first, n):
-                if dominated(model, q, frame, table, k, i, thin):
+                if dominated(model, q, frame, table, k, i, thin, deep):
                     kept = False
                     break
         table.along[k] = 1 if kept else 0  # not set yet
@@ -179,7 +181,7 @@ def detect_node(
     if deepest > reach:  # whatever is nearer than that decides
         n = collect(model, q, deepest, table, frame, b, law, node, place, m, facing, mode, first, thin, band)
     if first < n <= len(table.key):
-        return keep_contacts(model, q, margin, table, frame, first, n, thin)
+        return keep_contacts(model, q, margin, table, frame, first, n, thin, DEEP * band)
     return n
 
 
