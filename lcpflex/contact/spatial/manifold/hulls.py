@@ -121,6 +121,10 @@ def hangs_on_side(model: SpatialModel, patch: Patch, mine: int, side: int, place
     if not edges_cross(e, f):
         return False
     n = cross(e, f)
+    square, y = dot(n, n), apart_from(start, a)  # their lines are nearest at these shares, maybe beyond their ends
+    on_e, on_f = dot(cross(y, f), n) / square, dot(cross(y, e), n) / square
+    if min(on_e, on_f) < 0.0 or max(on_e, on_f) > 1.0:
+        return False
     n = scaled((1.0 if dot(n, patch.normal) > 0.0 else -1.0) / norm(n), n)
     over, beside = polygon_normal(model, c.side_beside[side]), turned(patch.pose.A, polygon_normal(model, patch.g))
     other = turned(patch.pose.A, polygon_normal(model, c.side_beside[mine]))
