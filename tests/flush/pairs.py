@@ -21,6 +21,7 @@ BRICK = (0.2, 0.1, 0.06)  # [m]
 
 EXACT = 1e-8  # of the size: what a gap may be off
 SHALLOWER = 2e-4  # of the depth, likewise: a face is preferred to pairs of edges whose axis is within .02 rad of it
+SLIVER = 1e-6  # of the size: of narrower overlaps it is rounding, over the sine of the yaw, where along them they end
 
 
 class Shape(NamedTuple):
@@ -154,6 +155,8 @@ def deviations(kind: Kind, places: Iterable[Place], gap: float, margin: float) -
         if not np.isfinite(found.gap):
             if found.overlap > 1e-9 * kind.size and found.most < margin:
                 lost.append((place, found.overlap))
+            continue
+        if abs(found.overlap) < SLIVER * kind.size:
             continue
         error = max(found.least - found.gap, found.gap - found.most)
         if error > EXACT * kind.size + SHALLOWER * max(0.0, -found.most):
