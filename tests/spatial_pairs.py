@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.contact.spatial.pairs import contact_bias, contact_rows, locate, refresh
+from lcpflex.contact.spatial.pairs import contact_bias, contact_point, contact_rows, locate, refresh
 from lcpflex.contact.spatial.table import (
     EDGE_CAP,
     EDGE_EDGE,
@@ -21,6 +21,7 @@ from lcpflex.contact.spatial.table import (
     NODE_RIM,
     NODE_SIDE,
     RIM_FACET,
+    RIM_RIM,
     spatial_contact_table,
 )
 from lcpflex.jit.kernel import FloatArray
@@ -33,7 +34,15 @@ from tests.space import Moving, model_of
 __all__ = ["ENDS", "Pair", "pair"]
 
 ENDS = {NODE_FACET: (1, 3), NODE_EDGE: (1, 2), NODE_POINT: (1, 1), EDGE_EDGE: (2, 2), RIM_FACET: (2, 3)}
-ENDS |= {NODE_SIDE: (1, 2), NODE_CAP: (1, 2), NODE_RIM: (1, 2), EDGE_SIDE: (2, 2), EDGE_RIM: (2, 2), EDGE_CAP: (2, 2)}
+ENDS |= {
+    NODE_SIDE: (1, 2),
+    NODE_CAP: (1, 2),
+    NODE_RIM: (1, 2),
+    EDGE_SIDE: (2, 2),
+    EDGE_RIM: (2, 2),
+    EDGE_CAP: (2, 2),
+    RIM_RIM: (2, 2),
+}
 
 EDGES = (EDGE_SIDE, EDGE_RIM, EDGE_CAP)
 
@@ -100,6 +109,10 @@ class Pair:
             sides[0] = (point[:2], [1.0 - foot[0], foot[0]], sides[0][2])
             nearest = (1.0 - foot[0]) * self.place(q, int(point[0])) + foot[0] * self.place(q, int(point[1]))
             sides[1] = (point[2:3], [1.0], self.on_cylinder(q, nearest))
+        elif kind == RIM_RIM:
+            place = np.array(contact_point(self.moving.model, q, self.table, 0))
+            sides[0] = (point[:1], [1.0], place - self.place(q, int(point[0])))
+            sides[1] = (point[2:3], [1.0], place - self.table.gap[0] * n - self.place(q, int(point[2])))
         elif kind == NODE_EDGE:
             sides[1] = (point[1:3], [1.0 - foot[0], foot[0]], sides[1][2])
         elif kind == EDGE_EDGE:

@@ -15,6 +15,7 @@ from lcpflex.contact.spatial.table import (
     EDGE_SIDE,
     NODE_FACET,
     RIM_FACET,
+    RIM_RIM,
     SpatialContactTable,
 )
 from lcpflex.jit.kernel import kernel
@@ -29,6 +30,7 @@ __all__ = [
     "load_edges",
     "load_node",
     "load_rim",
+    "load_rims",
     "load_vertex",
 ]
 
@@ -167,3 +169,18 @@ def load_edge_on_cap(
     """Entry k, of an edge that leaves (half > 0) or enters the circle about end 0 or 1: with the keys of its rim."""
     load_edge_by_rim(model, table, k, law, e, first, end, half)
     table.kind[k] = EDGE_CAP
+
+
+@kernel
+def load_rims(
+    model: SpatialModel, table: SpatialContactTable, k: int, law: int, one: int, other: int, first: float, second: float
+) -> None:
+    """Entry k, of two rims, near places at these angles."""
+    c = model.contacts
+    load_pair(model, table, k, law, RIM_RIM, len(c.node_point) + one, c.feature_point[one, 0], other)
+    for v in range(2):
+        table.point[k, v] = c.feature_point[one, v]
+        table.point[k, 2 + v] = c.feature_point[other, v]
+    table.radius[k, 2] = c.feature_radius[one]
+    table.radius[k, 1] = c.feature_radius[other]
+    table.foot[k, 0], table.foot[k, 1] = first, second

@@ -31,6 +31,7 @@ from lcpflex.contact.spatial.narrow_phase.facet import plane_slip, plane_turn, r
 from lcpflex.contact.spatial.narrow_phase.margins import margin_on_i, margin_on_j
 from lcpflex.contact.spatial.narrow_phase.point import point_turning, refresh_point
 from lcpflex.contact.spatial.narrow_phase.rim import lowest_on_rim, refresh_rim, rim_axis, rim_rate
+from lcpflex.contact.spatial.narrow_phase.rims import refresh_rims, rims_lever, rims_motion
 from lcpflex.contact.spatial.narrow_phase.sides import (
     AT_REST,
     Frame,
@@ -58,6 +59,7 @@ from lcpflex.contact.spatial.table import (
     NODE_FACET,
     NODE_POINT,
     RIM_FACET,
+    RIM_RIM,
     SpatialContactTable,
     by_cylinder,
     with_edge,
@@ -110,6 +112,8 @@ def locate(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: in
         refresh_crossing(points, q, i, j, table, k)
     elif kind == RIM_FACET:
         refresh_rim(points, q, i, j, table, k)
+    elif kind == RIM_RIM:
+        refresh_rims(points, q, i, j, table, k)
     elif with_edge(table, k):
         refresh_edge_by_cylinder(points, q, i, j, table, k)
     else:
@@ -134,6 +138,8 @@ def mean_on_j(table: SpatialContactTable, k: int) -> Mean:
         return single(table.point[k, 1])
     if by_cylinder(table, k):
         return single(start_of(table, k))
+    if kind == RIM_RIM:
+        return single(table.point[k, 2])
     first = 1 if kind in (NODE_FACET, NODE_EDGE) else 2
     a = table.point[k, first]
     b = table.point[k, first + 1]
@@ -149,6 +155,8 @@ def lever_on_i(
     points: SpatialPoints, q: FloatArray, frame: Frame, table: SpatialContactTable, k: int, n: Vector
 ) -> Vector:
     """From there to the place of contact [m], world axes."""
+    if table.kind[k] == RIM_RIM:
+        return rims_lever(points, q, frame, table, k, 0)
     if table.kind[k] != RIM_FACET:
         return scaled(-table.radius[k, 0], n)
     c, _ = lowest_on_rim(rim_axis(points, q, frame, table.point[k, 0], table.point[k, 1]), n)
@@ -159,7 +167,7 @@ def lever_on_i(
 def radius_of_j(table: SpatialContactTable, k: int) -> float:
     """Radius of the feature of body j [m]; facets have none."""
     kind = table.kind[k]
-    return 0.0 if kind in (NODE_FACET, RIM_FACET) else table.radius[k, 1]
+    return 0.0 if kind in (NODE_FACET, RIM_FACET, RIM_RIM) else table.radius[k, 1]
 
 
 @kernel
@@ -169,6 +177,8 @@ def lever_on_j(
     """From what is touched of body j to the place of contact [m], world axes."""
     if by_cylinder(table, k):
         return cylinder_lever(model.points, q, (frame_of(model.bodies, q, table.body[k, 0]), frame), table, k, n)
+    if table.kind[k] == RIM_RIM:
+        return rims_lever(model.points, q, frame, table, k, 1)
     return scaled(radius_of_j(table, k), n)
 
 
@@ -312,6 +322,9 @@ def contact_bias(
     if table.kind[k] == RIM_FACET:
         more, bias, turning = rim_motion(points, q, u, frames, motions, table, k, n, t, v)
         v, b = added(v, more), added(b, bias)
+    elif table.kind[k] == RIM_RIM:
+        more, bias, turning = rims_motion(points, q, u, frames, motions, table, k, n, v)
+        v, b = added(v, more), added(b, bias)
     else:
         turning = turning_of(points, q, u, frames, motions, table, k, n, t, v)
     b = added(b, turning.slip)
@@ -344,6 +357,8 @@ def normal_rate(model: SpatialModel, q: FloatArray, u: FloatArray, table: Spatia
     v = apart_from(of_i.v, of_j.v)
     if table.kind[k] == RIM_FACET:
         return rim_motion(points, q, u, frames, motions, table, k, n, t, v)[2].ndot
+    if table.kind[k] == RIM_RIM:
+        return rims_motion(points, q, u, frames, motions, table, k, n, v)[2].ndot
     return turning_of(points, q, u, frames, motions, table, k, n, t, v).ndot
 
 
@@ -357,14 +372,14 @@ def gap_rate(model: SpatialModel, q: FloatArray, u: FloatArray, table: SpatialCo
     if i >= 0:
         frame, motion = frame_of(bodies, q, i), frame_motion(bodies, u, i)
         rate = dot(n, mean_velocity(points, q, u, frame, motion, mean_on_i(table, k)))
-        if table.kind[k] == RIM_FACET:
+        if table.kind[k] in (RIM_FACET, RIM_RIM):
             spin, _ = point_spin(points, q, u, frame, motion, table.point[k, 0])
             rate += dot(n, cross(spin, lever_on_i(points, q, frame, table, k, n)))
     if j >= 0:
         frame, motion = frame_of(bodies, q, j), frame_motion(bodies, u, j)
         rate -= dot(n, mean_velocity(points, q, u, frame, motion, mean_on_j(table, k)))
-        if by_cylinder(table, k):
-            spin, _ = point_spin(points, q, u, frame, motion, start_of(table, k))
+        if by_cylinder(table, k) or table.kind[k] == RIM_RIM:
+            spin, _ = point_spin(points, q, u, frame, motion, mean_on_j(table, k).a)
             rate -= dot(n, cross(spin, lever_on_j(model, q, frame, table, k, n)))
     return rate
 

@@ -12,6 +12,7 @@ t2 = n x t1):
 * NODE_SIDE, NODE_CAP, NODE_RIM: node P on i, cylinder from o along its axis to x on j: its side, the flat of one of its
   ends, or the circle around that;
 * EDGE_SIDE, EDGE_RIM: edge a, b on i, side or rim of a cylinder from o to x on j;
+* RIM_RIM: rims with centres o and a point on their axis on i and j;
 * EDGE_CAP: edge a, b on i, where it leaves or enters the flat of an end of a cylinder from o to x on j.
 """
 
@@ -42,6 +43,7 @@ __all__ = [
     "NODE_RIM",
     "NODE_SIDE",
     "RIM_FACET",
+    "RIM_RIM",
     "SpatialContactTable",
     "by_cylinder",
     "copy_entry",
@@ -64,10 +66,11 @@ PAIRS = (  # what of body i, and what of body j: by the numbers of the kinds
     ("edge", "rim"),
     ("edge", "facet"),
     ("edge", "cap"),
+    ("rim", "other rim"),
 )
 (
     NODE_FACET, NODE_EDGE, NODE_POINT, EDGE_EDGE, RIM_FACET, NODE_SIDE, NODE_CAP, NODE_RIM, EDGE_SIDE, EDGE_RIM,
-    EDGE_FACET, EDGE_CAP,
+    EDGE_FACET, EDGE_CAP, RIM_RIM,
 ) = range(len(PAIRS))  # fmt: skip
 WITH_EDGE = frozen([of_i == "edge" for of_i, _ in PAIRS], bool)
 BY_CYLINDER = frozen([of_j in ("side", "cap", "rim") for _, of_j in PAIRS], bool)
@@ -90,7 +93,8 @@ class SpatialContactTable:
     # share of the corner in the middle of the patch it belongs to, by which forces that nothing determines are divided
     weight: FloatArray = array("contacts")
     facing: FloatArray = array("contacts")  # of nodes: least cosine of their outward normal and that of j, reversed
-    # xi^1, xi^2 in a facet; s on an edge; s and t of two edges; s on an edge, and which half of a rim or end it meets
+    # xi^1, xi^2 in a facet; s on an edge; s and t of two edges; s on an edge, and which half of a rim or end it meets;
+    # of two rims, angles [rad]
     foot: FloatArray = array("contacts", 2)
     body: IntArray = array("contacts", 2)  # i, j; -1: ground
     gap: FloatArray = array("contacts")  # [m]

@@ -16,6 +16,7 @@ from lcpflex.contact.spatial.table import (
     NODE_FACET,
     NODE_RIM,
     RIM_FACET,
+    RIM_RIM,
     SpatialContactTable,
     by_cylinder,
     with_edge,
@@ -52,10 +53,15 @@ def depth_of_entry(model: SpatialModel, table: SpatialContactTable, k: int) -> f
     """How deep i of entry k may be below the feature of j before it belongs to the other side [m].
 
     No deeper than to the centre of a sphere, or the axis of an edge that is round. Of a rim over a plane, nodes and
-    facets beside it tell. Nothing is below the rim of a cylinder.
+    facets beside it tell. Nothing round is below the rim of a cylinder; what is sharp, edges and other rims, cuts it,
+    and their distance has a sign.
     """
     if table.kind[k] == RIM_FACET:
         return math.inf
+    if table.kind[k] == RIM_RIM:
+        return float(min(table.radius[k, 1], table.radius[k, 2]))
+    if table.kind[k] == EDGE_RIM and table.radius[k, 0] == 0.0:
+        return float(table.radius[k, 2])
     if table.kind[k] in (NODE_RIM, EDGE_RIM):
         return 0.0
     depth, count = model.contacts.feature_depth, len(model.contacts.feature_kind)

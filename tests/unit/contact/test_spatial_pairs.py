@@ -25,6 +25,7 @@ from lcpflex.contact.spatial.table import (
     NODE_RIM,
     NODE_SIDE,
     RIM_FACET,
+    RIM_RIM,
     spatial_contact_table,
 )
 from lcpflex.jit.struct import pack
@@ -55,6 +56,7 @@ KINDS = {
     "capsule by side": (EDGE_SIDE, (0.3, 0.0, 0.7), -1.0),
     "capsule by rim": (EDGE_RIM, (0.3, 0.0, 0.2), 1.0),
     "edge by rim": (EDGE_RIM, (0.0, 0.0, 0.7), -1.0),
+    "rim by rim": (RIM_RIM, (0.0, 0.4, 0.7), 1.0),
 }
 STEP = 1e-3
 CLOSE = {"rtol": 1e-8, "atol": 1e-8}
@@ -123,7 +125,7 @@ def test_gap_is_the_distance_between_what_touches(kind):
         q = of.moving.q
         apart = of.frozen(q)(q)
         np.testing.assert_allclose(of.axes() @ apart, [of.table.gap[0], 0.0, 0.0], atol=1e-13)
-        first = of.place(q, 0) if of.table.kind[0] not in (EDGE_EDGE, EDGE_SIDE, EDGE_RIM) else None
+        first = of.place(q, 0) if of.table.kind[0] not in (EDGE_EDGE, EDGE_SIDE, EDGE_RIM, RIM_RIM) else None
         if first is not None:
             point = contact_point(of.moving.model, q, of.table, 0)
             np.testing.assert_allclose(point, first + of.lever(q, of.axes()[0]), atol=1e-14)

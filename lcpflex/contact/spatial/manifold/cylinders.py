@@ -11,7 +11,8 @@ import math
 from typing import NamedTuple
 
 from lcpflex.contact.spatial.cylinder_pass import SIDE_OF
-from lcpflex.contact.spatial.entries import load_by_cylinder, load_edge_by_rim, load_edge_by_side, load_edges
+from lcpflex.contact.spatial.entries import load_by_cylinder, load_edge_by_rim, load_edge_by_side, load_edges, load_rims
+from lcpflex.contact.spatial.kinds import AROUND
 from lcpflex.contact.spatial.manifold.axes import ends_of, incident_face, node_place, polygon_normal
 from lcpflex.contact.spatial.manifold.discs import (
     NEARLY_PARALLEL,
@@ -43,6 +44,7 @@ from lcpflex.contact.spatial.manifold.rods import (
 from lcpflex.contact.spatial.narrow_phase.cylinder import radial
 from lcpflex.contact.spatial.narrow_phase.edges import END, crossing_of
 from lcpflex.contact.spatial.narrow_phase.rim_line import half_of, nearest_on_rim, towards
+from lcpflex.contact.spatial.narrow_phase.rims import Circle, between, circle_of, nearest_of_rims, on_circle
 from lcpflex.contact.spatial.narrow_phase.sides import frame_of
 from lcpflex.contact.spatial.pairs import locate
 from lcpflex.contact.spatial.table import NODE_RIM, NODE_SIDE, SpatialContactTable
@@ -76,6 +78,16 @@ class Curves(NamedTuple):
     end: int  # of the rim; -1: the side
     half: float  # of the circle
     sense: float  # of e x a as the normal
+
+
+class Rims(NamedTuple):
+    """The two rims across which two cylinders are farthest apart, and the angles where they are nearest."""
+
+    separation: float  # [m]
+    one: int  # features
+    other: int
+    first: float  # [rad]
+    second: float
 
 
 @kernel
@@ -361,6 +373,61 @@ def rim_by_side(rod: Rod, number: int, other: Rod) -> Curves:
 
 
 @kernel
+def places_of_rims(one: Circle, other: Circle, found: Rims) -> Rims:
+    """Of two rims the place with the largest separation, if that is larger than what was found.
+
+    Places of the one that are nearer to the other than those beside them begin a search. What leads out of the one must
+    lead into the other between side and end.
+    """
+    best = found
+    step = 2.0 * math.pi / AROUND
+    v = cross(other.axis, other.u)
+    last, here = 0.0, 0.0
+    for k in range(AROUND + 2):
+        c, _ = on_circle(one, k * step)
+        y = apart_from(added(one.middle, scaled(one.radius, c)), other.middle)
+        second = math.atan2(dot(y, v), dot(y, other.u))
+        d = between(one, k * step, other, second)
+        following = dot(d, d)
+        if k >= 2 and here <= last and here <= following:
+            first, second = nearest_of_rims(one, other, (k - 1) * step, second)
+            c, tau = on_circle(one, first)
+            e, sigma = on_circle(other, second)
+            n = cross(tau, sigma)
+            if norm(n) > NEARLY_PARALLEL:
+                n = scaled((1.0 if dot(n, apart_from(e, other.axis)) >= 0.0 else -1.0) / norm(n), n)
+                out = min(min(dot(n, e), -dot(n, other.axis)), min(-dot(n, c), dot(n, one.axis)))
+                separation = dot(n, between(one, first, other, second))
+                if out >= 0.0 and separation > best.separation:
+                    best = Rims(separation, best.one, best.other, first, second)
+        last, here = here, following
+    return best
+
+
+@kernel
+def rim_by_rim(model: SpatialModel, q: FloatArray, rods: tuple[Rod, Rod], margin: float) -> Rims:
+    """The rims of two rods, where tangents of both are not nearly parallel."""
+    c = model.contacts
+    point = c.feature_point
+    best = Rims(-math.inf, -1, -1, 0.0, 0.0)
+    i, j = (
+        frame_of(model.bodies, q, c.surface_body[rods[0].surface]),
+        frame_of(model.bodies, q, c.surface_body[rods[1].surface]),
+    )
+    for end in range(2):
+        rim = rods[0].first + end
+        one = circle_of(model.points, q, i, point[rim, 0], point[rim, 1], rods[0].radius)
+        for facing in range(2):
+            touched = rods[1].first + facing
+            other = circle_of(model.points, q, j, point[touched, 0], point[touched, 1], rods[1].radius)
+            if norm(apart_from(one.middle, other.middle)) <= one.radius + other.radius + margin:
+                made = places_of_rims(one, other, Rims(best.separation, rim, touched, 0.0, 0.0))
+                if made.separation > best.separation:
+                    best = made
+    return best
+
+
+@kernel
 def lay_ends(
     model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, law: int, rods: tuple[Rod, Rod],
     flat: Flat, thin: float, size: float, n: int,
@@ -423,8 +490,18 @@ def cylinders_touch(
     ):
         sides = Curves(-math.inf, NO_CURVES, -1, 0, 1.0, 1.0)
     curves = larger(sides, larger(rim_by_side(rods[0], 0, rods[1]), rim_by_side(rods[1], 1, rods[0])))
-    if curves.separation > margin:
+    rims = rim_by_rim(model, q, rods, margin)
+    if max(curves.separation, rims.separation) > margin:
         return n
+    if rims.separation > curves.separation:
+        if not decides(Curves(rims.separation, ON_RIM, 0, 0, 1.0, 1.0), flat, size):
+            count, found = lay_ends(model, q, margin, table, law, rods, flat, thin, size, n)
+            if found:
+                return count
+        if n < len(table.key):
+            load_rims(model, table, n, law, rims.one, rims.other, rims.first, rims.second)
+            locate(model, q, table, n)
+        return n + 1
     if decides(curves, flat, size):
         count, found = lay_sides(model, q, margin, table, law, rods, curves, thin, n)
         if found:

@@ -19,12 +19,14 @@ from lcpflex.contact.spatial.narrow_phase.cylinder_edges import edge_margin
 from lcpflex.contact.spatial.narrow_phase.edges import END, TILT
 from lcpflex.contact.spatial.narrow_phase.facet import plane_of
 from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, rim_axis
+from lcpflex.contact.spatial.narrow_phase.rims import rims_margin
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, line_between, place_in, seen_from, world_place
 from lcpflex.contact.spatial.table import (
     EDGE_CAP,
     EDGE_EDGE,
     EDGE_FACET,
     RIM_FACET,
+    RIM_RIM,
     SpatialContactTable,
     by_cylinder,
     with_edge,
@@ -189,6 +191,8 @@ def margin_on_j(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: S
     f = table.key[k] % len(c.feature_kind)
     if table.kind[k] == EDGE_EDGE:
         return crossed_within(model, q, j, f, table.foot[k, 1], row_vector(table.normal, k))
+    if table.kind[k] == RIM_RIM:
+        return rims_margin(model.points, q, (i, j), table, k)
     kind = c.feature_kind[f]
     if kind == PLANE:
         return math.inf
@@ -231,6 +235,8 @@ def margin_on_i(model: SpatialModel, q: FloatArray, i: Frame, table: SpatialCont
     if table.kind[k] == RIM_FACET:
         _, tilt = lowest_on_rim(rim_axis(model.points, q, i, table.point[k, 0], table.point[k, 1]), n)
         return tilt - FLAT
+    if table.kind[k] == RIM_RIM:
+        return math.inf
     m = row_vector(c.node_normal, touching)
     if dot(m, m) == 0.0:
         return math.inf
