@@ -67,3 +67,37 @@ def test_stacks_of_flexible_blocks_keep_their_energy(stepper: Any, count: int) -
     assert result.energies.growth < 1e-6
     assert result.energies.kinetic[-1] < 1e-9
     assert result.found_wrong == ()
+
+
+@pytest.mark.parametrize("rule", [False, True])
+@pytest.mark.parametrize(
+    "stepper", [lf.GeneralizedAlpha(1e-3), lf.MoreauJean(1e-3)], ids=["generalised-alpha", "Moreau-Jean"]
+)
+def test_a_small_box_does_not_fall_between_the_nodes_of_a_flexible_block(stepper: Any, rule: bool) -> None:
+    """It has fewer points than the mesh, and was touched by the nodes of that, of which none was below it."""
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, -9.81))
+    block = scene.add(soft_block(), position=(0.0, 0.0, 0.05))
+    box = scene.add(lf.Cuboid(0.02, 0.02, 0.02, mass=0.05), "box", position=(0.025, 0.025, 0.11))
+    floor = scene.ground.plane((0, 0, 0), (0, 0, 1))
+    if rule:
+        scene.contact_all(friction=0.5)
+    else:
+        scene.contact(block.surface(), floor, friction=0.5)
+        scene.contact(block.surface(), box.surface(), friction=0.5)
+    result = lf.simulate(scene, 0.02, stepper, progress=False)
+    assert result.point("box", "center")[-1][2] == pytest.approx(0.11, abs=1e-5)
+    assert result.found_wrong == ()
+
+
+def test_a_jaw_holds_a_block_of_eight_nodes() -> None:
+    """All corners of the jaw are beyond the block, which has as many points: 4000 N moved it by 1.6 m, trusted."""
+    body = box_with_surface(EDGES, (1, 1, 1), 1, 0.3, density=1000.0, youngs_modulus=2e10)
+    scene, place = lf.SpatialScene(gravity=(0.0, 0.0, 0.0)), (-0.11, 0.0, 0.3)
+    jaw = scene.add(lf.Cuboid(0.02, 0.3, 0.2, mass=0.5), "jaw", position=place)
+    block = scene.add(body, position=(0.0, 0.0, 0.3))
+    scene.join(lf.Prismatic(jaw.at(0, 0, 0), scene.ground.at(*place), axis=(1, 0, 0)))
+    scene.load(lf.Force(jaw.at(0, 0, 0), (4e3, 0.0, 0.0)))
+    scene.contact(jaw.surface(), block.surface(), friction=0.5)
+    scene.contact(block.surface(), scene.ground.plane((0.1, 0, 0), (-1, 0, 0)), friction=0.5)
+    result = lf.simulate(scene, 0.02, lf.MoreauJean(1e-3), progress=False)
+    assert result.q[-1, 0] == pytest.approx(-0.11, abs=1e-5)
