@@ -88,7 +88,7 @@ class Surface:
     def can_meet(self, other: Surface) -> bool:
         """Whether such surfaces can come to each other from apart: points cannot, nor solids that fill all around."""
         kinds = {self.kind, other.kind}
-        return kinds != {Kind.NODE} and not kinds <= {Kind.HOLE, Kind.HALF_PLANE}
+        return kinds != {Kind.NODE} and not kinds.issubset({Kind.HOLE, Kind.HALF_PLANE})
 
     def partners(self) -> str:
         """What contacts need, in words."""

@@ -125,7 +125,7 @@ class SpatialSurface:
     def can_meet(self, other: SpatialSurface) -> bool:
         """Whether such surfaces can come to each other from apart: points cannot, nor solids that fill all around."""
         kinds = {self.kind, other.kind}
-        return kinds != {SpatialKind.NODE} and not kinds <= {SpatialKind.HOLE, SpatialKind.PLANE}
+        return kinds != {SpatialKind.NODE} and not kinds.issubset({SpatialKind.HOLE, SpatialKind.PLANE})
 
     def partners(self) -> str:
         """What surfaces it can touch, in words."""
