@@ -9,7 +9,7 @@ import numpy as np
 
 from lcpflex.basics import libs
 from lcpflex.bodies.spatial.shapes import CapsuleShape, CylinderShape, SphereShape, SurfaceShape
-from lcpflex.bodies.spatial.surface import CODES, SpatialKind
+from lcpflex.bodies.spatial.surface import CODES, RIM_POINTS, SpatialKind
 from lcpflex.contact.spatial.kinds import FACET
 from lcpflex.results.places import material_shapes
 from lcpflex.results.spatial.facets import Facets, facets_of, facets_with_edges, sides_of
@@ -100,10 +100,8 @@ def _facets_of(model: SpatialModel, s: int, kind: SpatialKind, coarse: bool) -> 
         lines = np.column_stack([k, (k + 1) % len(ring)])
         empty = libs.sparse.csr_matrix((0, 0))
         return Facets(ring[:, -1], ring[:, :-1], np.zeros((0, 3), np.int64), lines, False, empty)
-    half = len(around_nodes) // 2
     rings = [
-        _ring(model, int(first[0]), around_nodes[:half], coarse),
-        _ring(model, int(first[1]), around_nodes[half:], coarse),
+        _ring(model, int(first[k]), around_nodes[k * RIM_POINTS : (k + 1) * RIM_POINTS], coarse) for k in range(2)
     ]
     ends = _carriers(model, first[:2])
     whole = facets_of(CylinderShape(1.0, 1.0), coarse)
