@@ -100,9 +100,7 @@ def _facets_of(model: SpatialModel, s: int, kind: SpatialKind, coarse: bool) -> 
         lines = np.column_stack([k, (k + 1) % len(ring)])
         empty = libs.sparse.csr_matrix((0, 0))
         return Facets(ring[:, -1], ring[:, :-1], np.zeros((0, 3), np.int64), lines, False, empty)
-    rings = [
-        _ring(model, int(first[k]), around_nodes[k * RIM_POINTS : (k + 1) * RIM_POINTS], coarse) for k in range(2)
-    ]
+    rings = [_ring(model, int(first[k]), around_nodes[k * RIM_POINTS : (k + 1) * RIM_POINTS], coarse) for k in range(2)]
     ends = _carriers(model, first[:2])
     whole = facets_of(CylinderShape(1.0, 1.0), coarse)
     assert whole is not None

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from lcpflex.contact.detection import detect
+from lcpflex.contact.detection import ContactTable, detect
 from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.contact.rows import contact_point
 from lcpflex.contact.table import entry_of
@@ -86,6 +86,13 @@ class MoreauJeanScheme:
     u: FloatArray
 
 
+@in_space("lcpflex.steppers.spatial.closed")
+@kernel
+def find_closed(model: Model, q: FloatArray, tolerance: float, table: ContactTable) -> int:
+    """Contacts with gap <= tolerance [m]; how many, as ``detect``."""
+    return detect(model, q, tolerance, table)
+
+
 @kernel
 def predict(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace) -> int:
     """First half of a step: free motion, closed contacts, and the problem they pose. Returns the contacts found."""
@@ -93,7 +100,7 @@ def predict(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace) -
     lean = scheme.theta * h
     advance(model, q, u, lean, work.middle)
     advance(model, q, u, scheme.activation * h, work.ahead)
-    n = detect(model, work.ahead, scheme.gap_tolerance, work.table)
+    n = find_closed(model, work.ahead, scheme.gap_tolerance, work.table)
     if n > len(work.table.key):
         return n
     if scheme.activation != scheme.theta:
