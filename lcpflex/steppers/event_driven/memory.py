@@ -118,6 +118,7 @@ class EventMemory:
     several_now: int
     cuts: int
     located: int
+    looks: int  # steps left at whose ends contacts are sought that began where another one left, of no extent then
     too_many: int
     stopping: int  # of contacts that approach slower than the threshold: 1 while, 2 after
     ties: int  # impacts one after another whose order was arbitrary

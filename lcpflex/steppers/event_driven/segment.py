@@ -251,6 +251,8 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
         longest = min(longest / SAMPLES, reach, unseen_step(model, settings.margin, memory))
     longest = min(settings.max_step, longest, longest_look(model.signals))
     longest = min(longest, turning_time(work, memory, memory.y[nq:base]))
+    if memory.looks > 0:
+        longest = min(longest, h * 0.1**memory.looks)
     left = REPEATS
     while True:
         h = min(h, longest)
@@ -275,7 +277,7 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
             factor = step_factor(error, memory.error)
             if rejected:
                 factor = min(factor, 1.0)
-            if left == REPEATS:
+            if left == REPEATS and memory.looks == 0:
                 memory.step = max(memory.step, h) if h == rest else h * factor
             memory.error = error
             memory.step_taken = h
@@ -305,6 +307,23 @@ def violated(settings: EventSettings, memory: EventMemory) -> bool:
                 memory.kind = kind
                 memory.which = k
                 return True
+    return False
+
+
+@in_space("lcpflex.steppers.spatial.sliding")
+@kernel
+def steps_behind(work: Workspace) -> int:
+    """Steps at whose ends contacts are sought that begin where another one has left; see ``arises``."""
+    return 0
+
+
+@in_space("lcpflex.steppers.spatial.sliding")
+@kernel
+def arises(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
+    """Whether a contact that is not maintained touches at the end of the step, in ``memory.before``.
+
+    In the plane none does that would not have closed: faces touch in no more than their ends.
+    """
     return False
 
 
@@ -390,6 +409,11 @@ def search(model: Model, settings: EventSettings, work: Workspace, memory: Event
             target = asked(memory.bracket)
         if memory.cause != NOTHING or high < sample / SAMPLES:
             memory.share = high
+            memory.looks = steps_behind(work) if memory.cause == SPAN else 0
             return True
         within(model, memory, high, memory.before)
+    if memory.looks > 0:
+        memory.looks -= 1
+        if arises(model, settings, work, memory):
+            memory.looks, memory.cause = 0, CLOSING
     return True

@@ -13,8 +13,10 @@ from typing import Any
 
 from lcpflex.contact.narrow_phase.feature import foot_margin, node_margin
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
-from lcpflex.contact.spatial.pairs import contact_point
+from lcpflex.contact.spatial.detection import detect
+from lcpflex.contact.spatial.pairs import contact_point, gap_rate
 from lcpflex.contact.spatial.table import side_of
+from lcpflex.contact.table import entry_of
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.spatial.acceleration import (
     BEGINS,
@@ -31,6 +33,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector
 from lcpflex.kinematics.spatial.vectors import added, dot, row_vector, scaled
 from lcpflex.model.arrays import SLIP, STICK
+from lcpflex.model.spatial import SpatialModel
 from lcpflex.solvers.contact.index_sets import SMOOTH, STICKING
 from lcpflex.steppers.event_driven.memory import CONE, PRESSURE, SLIDING as SLIDES, SPAN, EventSettings
 from lcpflex.steppers.event_driven.segment import FORCE_TOLERANCE
@@ -39,10 +42,12 @@ from lcpflex.steppers.spatial.records import note_spatial_contact
 
 __all__ = [
     "add_rates",
+    "arises",
     "before_it_leaves",
     "count_impulses",
     "first_side",
     "note_forces",
+    "steps_behind",
     "sum_of",
     "tolerance_of",
     "turning_time",
@@ -52,6 +57,7 @@ __all__ = [
 ]
 
 SUMS = 4  # of each declared contact: normal impulse, that of friction in world axes
+STEPS_BEHIND = 3  # a contact that has left its feature: ever ten times as long, the first a thousandth of the usual
 GRAIN = 1e-3  # of the threshold: how far below it slip may be
 INCONSISTENT = (
     1e-4  # of the largest force: more that a contact misses is no rounding, nor that of drives told by differences
@@ -241,3 +247,31 @@ def note_forces(
                 state = STICK
         place = contact_point(model, q, work.table, k)
         note_spatial_contact(recorder, work.table, k, place, work.p[work.n_joint + k], first, second, state)
+
+
+@kernel
+def steps_behind(work: SpatialWork) -> int:
+    """Steps at whose ends contacts are sought that begin where another one has left; see ``arises``."""
+    return STEPS_BEHIND
+
+
+@kernel
+def arises(model: SpatialModel, settings: EventSettings, work: SpatialWork, memory: Any) -> bool:
+    """Whether a contact that is not maintained touches at the end of the step, in ``memory.before``.
+
+    Where a vertex leaves a face over its side, an edge on either side of it crosses that: both crossings begin at one
+    place, where they are one contact, and the one that was not found there never closes.
+    """
+    nq = memory.nq
+    q, u = memory.before[:nq], memory.before[nq : nq + len(memory.u)]
+    table, seen = work.table, memory.near
+    count = detect(model, q, settings.gap_tolerance, seen)
+    if count > len(seen.key):
+        return False
+    for i in range(count):
+        if abs(seen.gap[i]) > settings.gap_tolerance or entry_of(table.key, memory.n_contacts, seen.key[i], 0) >= 0:
+            continue
+        for k in range(memory.n_contacts):  # of two bodies that rest on each other already
+            if table.law[k] == seen.law[i]:
+                return bool(abs(gap_rate(model, q, u, seen, i)) <= settings.velocity_threshold)
+    return False
