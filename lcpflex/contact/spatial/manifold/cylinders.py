@@ -317,7 +317,7 @@ def cylinder_touches(
         if found:
             return count
     count, found, _ = lay_flat(model, q, margin, table, law, rod, b, flat, thin, size, n)
-    if not found and curves.kind != NO_CURVES:
+    if not found and curves.separation > flat.separation - SHALLOW * size:  # else one of another side of the body
         count, found = lay_curves(model, q, margin, table, law, rod, b, curves, thin, n)
     return count
 
@@ -496,7 +496,7 @@ def cylinders_touch(
     if rims.separation > curves.separation:
         if not decides(Curves(rims.separation, ON_RIM, 0, 0, 1.0, 1.0), flat, size):
             count, found = lay_ends(model, q, margin, table, law, rods, flat, thin, size, n)
-            if found:
+            if found or rims.separation < flat.separation - SHALLOW * size:
                 return count
         if n < len(table.key):
             load_rims(model, table, n, law, rims.one, rims.other, rims.first, rims.second)
@@ -506,5 +506,7 @@ def cylinders_touch(
         count, found = lay_sides(model, q, margin, table, law, rods, curves, thin, n)
         if found:
             return count
-    count, _ = lay_ends(model, q, margin, table, law, rods, flat, thin, size, n)
+    count, found = lay_ends(model, q, margin, table, law, rods, flat, thin, size, n)
+    if not found and curves.separation > flat.separation - SHALLOW * size:
+        count, found = lay_sides(model, q, margin, table, law, rods, curves, thin, n)
     return count
