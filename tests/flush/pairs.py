@@ -62,7 +62,7 @@ def gem(seed: int, corners: int = 20, size: float = 0.1) -> Shape:
 
 def drum(radius: float, length: float, mass: float = 1.0) -> Shape:
     """A cylinder about z, for brute force a prism inside of it."""
-    angles = np.linspace(0.0, 2.0 * np.pi, 257)[:-1]
+    angles = np.linspace(0.0, 2.0 * np.pi, 25)[:-1]
     corners = np.array([(radius * np.cos(a), radius * np.sin(a), z) for a in angles for z in (-length / 2, length / 2)])
     return Shape(lf.Cylinder(radius, length, mass=mass), corners, 0.5 * length)
 

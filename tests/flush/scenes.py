@@ -123,7 +123,8 @@ def rolling(place: Place) -> lf.SpatialScene:
     scene, moved = level(), drum(0.05, 0.1)
     low = fixed(scene, box(0.8, 0.1, 0.06), (0.0, 0.0, 0.03), Rotation.identity())
     turn = place.turn() * Rotation.from_euler("x", math.pi / 2.0)
-    velocity, spin = place.turn().apply([[1.0, 0.0, 0.0], [0.0, 20.0, 0.0]])
+    ahead = Rotation.from_euler("z", math.remainder(place.yaw, math.pi))  # whichever end of its axis is left
+    velocity, spin = ahead.apply([[1.0, 0.0, 0.0], [0.0, 20.0, 0.0]])
     at = place.at(0.1, -0.15, 0.11)
     up = scene.add(moved.body, "up", at, turn, velocity=velocity, angular_velocity=spin)
     scene.contact(up.surface(), low.surface(), friction=0.5, name="up/low")
