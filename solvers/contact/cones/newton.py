@@ -27,13 +27,14 @@ from lcpflex.solvers.contact.cones.linear import solve_general
 
 __all__ = ["ConeWork", "cone_work", "direction", "distance", "expired", "look", "measure", "newton", "proximal"]
 
-SHIFT = 1e-10  # of the Jacobian's W, whose largest diagonal entries are 1
+SHIFT = 1e-8  # of the Jacobian's W, whose largest diagonal entries are 1; by less, null vectors are mostly rounding
 STRONGER = 100.0  # growth of that shift where the step is absurd
 STRONGEST = 1.0
 ABSURD = 1e6  # length of a step, relative to the forces
 HALVINGS = 12
 DESCENT = 1e-4  # share of the step that the function must fall by
 MEMORY = 4  # values one of which must be beaten
+FLOOR = 100.0  # goals: so near, a step that does not halve the function has met rounding
 FIRST_PULL, FALL, WEAKEST, STRONGEST_PULL = 0.1, 5.0, 1e-9, 10.0  # alpha: at first, how it changes, its bounds
 PATIENT = 16  # points at most with one alpha before a smaller one is tried again
 WORSE = 1.2  # growth of the residual at which a point was put too far ahead
@@ -228,9 +229,12 @@ def newton(
         _copied(work.trial, m, point)
         count += 1
         last[count % MEMORY] = value
+        stays = value > 0.5 * least and least <= FLOOR * goal
         if value < least:
             least = value
             _copied(point, m, forces)
+        if stays:
+            break
     return least, solved
 
 
