@@ -261,6 +261,6 @@ def polyhedra_touch(
                 sense = 1.0 if dot(cross(turned(pose.A, e), f), found.normal) > 0.0 else -1.0
                 load_edges(model, table, n, law, found.first, found.second, sense)
                 locate(model, q, table, n)
-            return n + 1
+            return n + 1 if found.separation <= margin else n
     count = lay_patch(model, q, margin, table, patch, n)
     return APART if count == n and apart else count
