@@ -12,9 +12,24 @@ import lcpflex as lf
 from lcpflex.contact.near import near
 from lcpflex.jit.struct import pack
 from tests.flush.places import Place
-from tests.flush.polytopes import Polytope, between, polytope, shadows_overlap
+from tests.flush.polytopes import between, polytope, shadows_overlap
 
-__all__ = ["BRICK", "KINDS", "ROUND", "Detected", "Kind", "box", "deviations", "drum", "gem", "prism"]
+__all__ = [
+    "BRICK",
+    "KINDS",
+    "ROUND",
+    "Kind",
+    "Shape",
+    "above",
+    "anywhere",
+    "box",
+    "detections",
+    "deviations",
+    "drum",
+    "gem",
+    "on_top",
+    "prism",
+]
 
 BRICK = (0.2, 0.1, 0.06)  # [m]
 
@@ -67,6 +82,11 @@ def drum(radius: float, length: float, mass: float = 1.0) -> Shape:
     return Shape(lf.Cylinder(radius, length, mass=mass), corners, 0.5 * length)
 
 
+def above(shape: Shape, turn: Rotation) -> float:
+    """Height of the centre over the lowest corner [m]."""
+    return -float(turn.apply(shape.corners)[:, 2].min())
+
+
 class Kind(NamedTuple):
     """The upper body on the lower one."""
 
@@ -107,10 +127,19 @@ KINDS = {
 ROUND = {"drum on box": Kind(box(*BRICK), drum(0.04, 0.06), 0.1)}
 
 
+class Posed(NamedTuple):
+    """Where the upper body is, the lower one at the origin."""
+
+    label: Any
+    turn: Rotation
+    shift: Any
+
+
 class Detected(NamedTuple):
-    """Least gap of what detection finds (infinite if nothing), and its bounds by brute force [m]."""
+    """Least and largest gap of what detection finds (infinite if nothing), and bounds of the least one [m]."""
 
     gap: float
+    largest: float
     least: float
     most: float
     overlap: float  # of the shadows [m]
@@ -126,39 +155,57 @@ class _Detector:
         compiled = scene.compile(indents=lambda name: True)
         self.model, self.q = pack(compiled.model), compiled.q.copy()
 
-    def gap(self, shift: Any, turn: Rotation, margin: float) -> float:
-        self.q[7:10] = shift
-        self.q[10:14] = np.roll(turn.as_quat(), 1)
+    def gaps(self, posed: Posed, margin: float) -> Any:
+        self.q[7:10] = posed.shift
+        self.q[10:14] = np.roll(posed.turn.as_quat(), 1)
         table, n = near(self.model, self.q, margin)
-        return float(table.gap[:n].min(initial=np.inf))
+        return table.gap[:n]
 
 
-def detections(kind: Kind, places: Iterable[Place], gap: float, margin: float) -> Iterator[tuple[Place, Detected]]:
+def on_top(kind: Kind, places: Iterable[Place], gap: float) -> Iterator[Posed]:
     """At each place, with the lowest corner of the upper body by ``gap`` above the lower one's upper face."""
-    detector = _Detector(kind)
-    low = polytope(kind.low.corners)
-    up = polytope(kind.up.corners)
-    top = float(low.vertices[:, 2].max())
+    top = float(kind.low.corners[:, 2].max())
     for place in places:
         turn = place.turn()
-        lowest = float(turn.apply(up.vertices)[:, 2].min())
-        shift = place.at(kind.width, kind.start, top - lowest + gap)
-        moved: Polytope = up.moved(turn, shift)
-        found = Detected(detector.gap(shift, turn, margin), *between(low, moved), shadows_overlap(low, moved))
-        yield place, found
+        yield Posed(place, turn, place.at(kind.width, kind.start, top + above(kind.up, turn) + gap))
 
 
-def deviations(kind: Kind, places: Iterable[Place], gap: float, margin: float) -> dict[str, list[tuple[Place, float]]]:
-    """Places where nothing was found though the bodies are near and overlap in shadow, and where the gap is wrong."""
-    lost, off = [], []
-    for place, found in detections(kind, places, gap, margin):
+def anywhere(kind: Kind, count: int, seed: int) -> Iterator[Posed]:
+    """Turned at random, somewhere beside the lower body, a millimetre deep or up to three apart along some axis."""
+    rng = np.random.default_rng(seed)
+    turns = Rotation.random(count, rng=rng)
+    for k, turn in enumerate(turns):
+        n = rng.normal(size=3)
+        n /= np.linalg.norm(n)
+        beside = 0.05 * rng.normal(size=3)
+        beside -= (beside @ n) * n
+        reach = (kind.low.corners @ n).max() - (turn.apply(kind.up.corners) @ n + beside @ n).min()
+        yield Posed(k, turn, beside + (reach + rng.uniform(-1e-3, 3e-3)) * n)
+
+
+def detections(kind: Kind, poses: Iterable[Posed], margin: float) -> Iterator[tuple[Posed, Detected]]:
+    """What is found and what is so."""
+    detector, low, up = _Detector(kind), polytope(kind.low.corners), polytope(kind.up.corners)
+    for posed in poses:
+        moved, gaps = up.moved(posed.turn, posed.shift), detector.gaps(posed, margin)
+        least, largest = gaps.min(initial=np.inf), gaps.max(initial=-np.inf)
+        bounds = between(low, moved)
+        yield posed, Detected(float(least), float(largest), *bounds, shadows_overlap(low, moved))
+
+
+def deviations(kind: Kind, poses: Iterable[Posed], margin: float) -> dict[str, list[tuple[Any, float]]]:
+    """Poses with nothing found of bodies that are near and overlap in shadow, with a wrong gap, or one too large."""
+    lost, off, far = [], [], []
+    for posed, found in detections(kind, poses, margin):
+        if found.largest > margin:
+            far.append((posed.label, found.largest))
         if not np.isfinite(found.gap):
             if found.overlap > 1e-9 * kind.size and found.most < margin:
-                lost.append((place, found.overlap))
+                lost.append((posed.label, found.overlap))
             continue
         if abs(found.overlap) < SLIVER * kind.size:
             continue
         error = max(found.least - found.gap, found.gap - found.most)
         if error > EXACT * kind.size + SHALLOWER * max(0.0, -found.most):
-            off.append((place, error / kind.size))
-    return {"lost": lost, "off": off}
+            off.append((posed.label, error / kind.size))
+    return {"lost": lost, "off": off, "far": far}

@@ -13,8 +13,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
-from tests.flush.pairs import BRICK, Kind, Shape, box, drum, gem, prism
-from tests.flush.scenes import STEP, above, level
+from tests.flush.pairs import BRICK, Kind, Shape, above, box, drum, gem, prism
+from tests.flush.scenes import STEP, level
 
 __all__ = ["Drawn", "Put", "build", "draw", "references", "shape_of", "stepper_of"]
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
-from tests.flush.pairs import BRICK, KINDS, ROUND, Kind, Shape, box, drum
+from tests.flush.pairs import BRICK, KINDS, ROUND, Kind, Shape, above, box, drum
 from tests.flush.places import Place
 
 __all__ = ["GRAVITY", "MOTIONS", "RESTS", "STEP", "STEPPERS", "Motion", "level", "on_floor"]
@@ -44,11 +44,6 @@ def fixed(scene: lf.SpatialScene, shape: Shape, position: Any, turn: Rotation) -
     body = scene.add(shape.body, "low", position=position, orientation=turn)
     scene.join(lf.Weld(body.at(0.0, 0.0, 0.0), scene.ground.at(*position), orientation=turn))
     return body
-
-
-def above(shape: Shape, turn: Rotation) -> float:
-    """Height of the centre over the lowest corner [m]."""
-    return -float(turn.apply(shape.corners)[:, 2].min())
 
 
 def standing(kind: Kind, place: Place) -> lf.SpatialScene:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.flush.pairs import KINDS, box, deviations
+from tests.flush.pairs import KINDS, anywhere, box, deviations, on_top
 from tests.flush.places import mixed, single
 from tests.flush.polytopes import between, polytope, separation, shadows_overlap
 
@@ -21,21 +21,34 @@ over_gaps = pytest.mark.parametrize("gap", GAPS)
 @over_gaps
 def test_flush_bodies_are_found_and_their_gap_is_right(name: str, gap: str) -> None:
     places = [*list(single())[:: 9 if "gem" in name else 3], *mixed(30, 1)]
-    assert not any(deviations(KINDS[name], places, GAPS[gap], MARGIN).values())
+    assert not any(deviations(KINDS[name], on_top(KINDS[name], places, GAPS[gap]), MARGIN).values())
+
+
+@over_kinds
+def test_what_is_found_anywhere_is_near_and_right(name: str) -> None:
+    kind = KINDS[name]
+    assert not any(deviations(kind, anywhere(kind, 30 if "gem" in name else 150, 5), MARGIN).values())
+
+
+@pytest.mark.campaign
+@over_kinds
+def test_what_is_found_at_many_places_anywhere(name: str) -> None:
+    kind = KINDS[name]
+    assert not any(deviations(kind, anywhere(kind, 10_000, 6), MARGIN).values())
 
 
 @pytest.mark.slow
 @over_kinds
 @over_gaps
 def test_at_all_places(name: str, gap: str) -> None:
-    assert not any(deviations(KINDS[name], single(), GAPS[gap], MARGIN).values())
+    assert not any(deviations(KINDS[name], on_top(KINDS[name], single(), GAPS[gap]), MARGIN).values())
 
 
 @pytest.mark.campaign
 @over_kinds
 @over_gaps
 def test_at_many_places(name: str, gap: str) -> None:
-    assert not any(deviations(KINDS[name], mixed(20_000, 2), GAPS[gap], MARGIN).values())
+    assert not any(deviations(KINDS[name], on_top(KINDS[name], mixed(20_000, 2), GAPS[gap]), MARGIN).values())
 
 
 def test_brute_force_knows_boxes_whose_distance_is_known() -> None:
