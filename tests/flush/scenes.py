@@ -143,11 +143,12 @@ class Motion(NamedTuple):
     duration: float  # [s]
     speed: float = 0.0  # of an impact during it [m/s]
     tilts: bool = True  # whether its motion goes with the tilt: not of an impact, which then is of one corner first
+    leaves: bool = False  # whether corners leave what carries them, and it tips from then on
 
 
 MOTIONS = {
     "slides": Motion(sliding, box(*BRICK), 0.1),
-    "off a ramp": Motion(off_a_ramp, box(0.1, 0.1, 0.06), 0.25),
+    "off a ramp": Motion(off_a_ramp, box(0.1, 0.1, 0.06), 0.25, leaves=True),
     "over an end": Motion(over_an_end, box(*BRICK), 0.15),
     "rolls": Motion(rolling, drum(0.05, 0.1), 0.25, tilts=False),
     "end to end": Motion(end_to_end, box(0.02, 0.02, 0.2), 0.02, speed=1.0, tilts=False),
