@@ -161,6 +161,24 @@ def test_a_cylinder_rolls_off_a_box(yaw: float) -> None:
         assert abs(z - (0.15 - 0.5 * 9.81 * 0.1**2)) < near_to
 
 
+@pytest.mark.parametrize("yaw", [0.0, 0.1])
+def test_a_cylinder_that_slides_off_a_box_tips_over_its_edge(yaw: float) -> None:
+    """Without friction; points of its rim come over the edge while it tips, and are no vertices."""
+    found = []
+    for stepper in (lf.EventDriven(), lf.MoreauJean(step=1e-4)):
+        scene = lf.SpatialScene(gravity=DOWN)
+        scene.ground.box((0, 0, 0.05), (0.4, 0.2, 0.1))
+        turn = Rotation.from_euler("z", yaw)
+        can = lf.Cylinder(R, 2 * R, mass=1.0)
+        scene.add(can, position=(0.1, 0.01, 0.15), orientation=turn, velocity=(0.5, 0.05, 0))
+        scene.contact_all()
+        result = lf.simulate(scene, 0.36, stepper, progress=False)
+        found.append(result.q[-1])
+        assert result.energies.relative_remainder < 1e-3
+    np.testing.assert_allclose(found[0], found[1], atol=1e-4)  # of first order: the step; 1.2e-3 as it was
+    assert found[0][2] < 0.11  # it has tipped
+
+
 def test_a_cylinder_lies_in_the_valley_of_two() -> None:
     scene = lf.SpatialScene(gravity=DOWN)
     for x in (-0.06, 0.06):

@@ -27,6 +27,7 @@ from lcpflex.contact.spatial.manifold.rods import (
     cap_of,
     center_of,
     chord_of,
+    is_along,
     lowest_at,
     outward_of,
     rim_node,
@@ -184,21 +185,26 @@ def lay_crossings(table: SpatialContactTable, disc: Disc, m: int, n: int, thin: 
 
 @kernel
 def collect_corners(
-    model: SpatialModel, q: FloatArray, table: SpatialContactTable, frame: Frame, disc: Disc, m: int, thin: float
-) -> tuple[int, float]:
-    """Corners that the polygon of m corners, the points of the rim and their crossings make; and its sense."""
+    model: SpatialModel, q: FloatArray, table: SpatialContactTable, frame: Frame, disc: Disc, m: int, flat: bool,
+    thin: float,
+) -> tuple[int, float]:  # fmt: skip
+    """Corners that the polygon of m corners, crossings and, where it lies ``flat``, the rim make; and its sense.
+
+    A point of the rim is not a vertex, whose normals lead anywhere: where an edge crosses it, that is what touches.
+    """
     at, trace = table.patch[0], table.trace[0]
     sense = 1.0 if twice_area(at, m) >= 0.0 else -1.0
     n = 0
     for k in range(m):
         if math.hypot(at[k, 0], at[k, 1]) <= disc.rod.radius + thin:
             n = lay_corner(table, n, at[k, 0], at[k, 1], at[k, 2], CORNER, trace[k, 0], k, thin)
-    for k in range(AROUND):
+    n = lay_crossings(table, disc, m, n, thin)
+    for k in range(AROUND if flat else 0):
         node, place = rim_place(model, q, frame, disc.rod, disc.end, k)
         x, y, z = seen_on(disc, place)
         if over_polygon(at, m, sense, x, y, thin):
             n = lay_corner(table, n, x, y, z, ON_RIM, node, k, thin)
-    return lay_crossings(table, disc, m, n, thin), sense
+    return n, sense
 
 
 @kernel
@@ -318,8 +324,8 @@ def lay_end_on_face(
     c = model.contacts
     disc = set_disc(rod, end)
     m = lay_face(model, table, disc, p)
-    count, sense = collect_corners(model, q, table, frame, disc, m, thin)
     normal = polygon_normal(model, p)
+    count, sense = collect_corners(model, q, table, frame, disc, m, is_along(rod, normal), thin)
     _, tilt = lowest_on_rim(rod.axis, normal)
     if tilt > FLAT:
         x, y, z = seen_on(disc, lowest_at(rod, end, normal))
@@ -356,7 +362,7 @@ def lay_end_on_end(
     """Entries of an end of a rod and that of another one which faces it, from entry n on; the same."""
     disc, opposite = set_disc(rod, end), set_disc(other, facing)
     m = lay_rim_polygon(model, q, table, frame, disc, other, facing)
-    count, _ = collect_corners(model, q, table, frame, disc, m, thin)
+    count, _ = collect_corners(model, q, table, frame, disc, m, True, thin)
     _, tilt = lowest_on_rim(rod.axis, other.axis)
     if tilt > FLAT:
         place = lowest_at(other, facing, disc.n)
