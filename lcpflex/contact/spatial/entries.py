@@ -110,14 +110,17 @@ def load_crossing(
 
 
 @kernel
-def load_rim(model: SpatialModel, table: SpatialContactTable, k: int, law: int, rim: int, f: int) -> None:
-    """Entry k, of a rim with a plane."""
+def load_rim(
+    model: SpatialModel, table: SpatialContactTable, k: int, law: int, rim: int, f: int, flat: float = 0.0
+) -> None:
+    """Entry k, of a rim with a plane; ``flat``: the angle of the place that touches where it lies flat; 0: none."""
     c = model.contacts
     load_pair(model, table, k, law, RIM_FACET, len(c.node_point) + rim, c.feature_point[rim, 0], f)
     table.point[k, 1] = c.feature_point[rim, 1]
     for v in range(3):
         table.point[k, 2 + v] = c.feature_point[f, v]
     table.radius[k, 2] = c.feature_radius[rim]
+    table.facing[k] = flat
 
 
 @kernel

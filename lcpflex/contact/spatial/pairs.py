@@ -30,7 +30,7 @@ from lcpflex.contact.spatial.narrow_phase.edges import edges_turning, refresh_ed
 from lcpflex.contact.spatial.narrow_phase.facet import plane_slip, plane_turn, refresh_facet, refresh_over_ground
 from lcpflex.contact.spatial.narrow_phase.margins import margin_on_i, margin_on_j
 from lcpflex.contact.spatial.narrow_phase.point import point_turning, refresh_point
-from lcpflex.contact.spatial.narrow_phase.rim import lowest_on_rim, refresh_rim, rim_axis, rim_rate
+from lcpflex.contact.spatial.narrow_phase.rim import place_on_rim, refresh_rim, rim_axis, rim_rate
 from lcpflex.contact.spatial.narrow_phase.rims import refresh_rims, rims_lever, rims_motion
 from lcpflex.contact.spatial.narrow_phase.sides import (
     AT_REST,
@@ -159,7 +159,7 @@ def lever_on_i(
         return rims_lever(points, q, frame, table, k, 0)
     if table.kind[k] != RIM_FACET:
         return scaled(-table.radius[k, 0], n)
-    c, _ = lowest_on_rim(rim_axis(points, q, frame, table.point[k, 0], table.point[k, 1]), n)
+    c, _ = place_on_rim(points, q, frame, table, k, n)
     return apart_from(scaled(table.radius[k, 2], c), scaled(table.radius[k, 0], n))
 
 
@@ -264,7 +264,8 @@ def rim_motion(
     plane = plane_turn(points, q, u, frames[1], motions[1], point[k, 2], point[k, 3], point[k, 4], n, t)
     spin, turn = point_spin(points, q, u, frames[0], motions[0], point[k, 0])
     R = table.radius[k, 2]
-    c, rate = rim_rate(rim_axis(points, q, frames[0], point[k, 0], point[k, 1]), n, spin, plane.ndot)
+    c, tilt = place_on_rim(points, q, frames[0], table, k, n)
+    c, rate = rim_rate(rim_axis(points, q, frames[0], point[k, 0], point[k, 1]), n, c, tilt, spin, plane.ndot)
     v, b = lever_motion(spin, turn, scaled(R, c), scaled(R, rate))
     lowest = added(dv, scaled(R, rate))
     return v, b, plane_slip(plane, lowest, table.gap[k] + table.radius[k, 0])

@@ -92,7 +92,8 @@ class SpatialContactTable:
     sense: FloatArray = array("contacts")
     # share of the corner in the middle of the patch it belongs to, by which forces that nothing determines are divided
     weight: FloatArray = array("contacts")
-    facing: FloatArray = array("contacts")  # of nodes: least cosine of their outward normal and that of j, reversed
+    # of nodes: least cosine of their outward normal and that of j, reversed; of a rim in a patch: the angle of the
+    facing: FloatArray = array("contacts")  # place that touches where it lies flat [rad]
     # xi^1, xi^2 in a facet; s on an edge; s and t of two edges; s on an edge, and which half of a rim or end it meets;
     # of two rims, angles [rad]
     foot: FloatArray = array("contacts", 2)

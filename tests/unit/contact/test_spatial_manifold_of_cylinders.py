@@ -161,6 +161,22 @@ def test_a_cylinder_rolls_off_a_box(yaw: float) -> None:
         assert abs(z - (0.15 - 0.5 * 9.81 * 0.1**2)) < near_to
 
 
+@pytest.mark.parametrize("body", [lf.Cuboid(2 * R, 2 * R, 2 * R, mass=1.0), lf.Cylinder(R, 2 * R, mass=1.0)])
+def test_what_slides_off_a_round_end_tips_over_its_arc(body: Any) -> None:
+    """Without friction, where its middle is over the rim: not over a chord of its 16 points, which is 2.8 mm before."""
+    scene = lf.SpatialScene(gravity=DOWN)
+    scene.ground.cylinder((0, 0, R), UP, 0.15, 2 * R)
+    scene.add(body, position=(0.1, 0.01, 3 * R), velocity=(0.5, 0.05, 0))
+    scene.contact_all()
+    over = 1.0 / math.hypot(0.5, 0.05) * (0.15 - math.hypot(0.1, 0.01))
+    leans = []
+    for until in (over, over + 0.02):
+        q = lf.simulate(scene, until, lf.EventDriven(), progress=False).q[-1]
+        leans.append(2.0 * math.hypot(q[4], q[5]))
+    assert leans[0] < 1e-8
+    assert leans[1] > 1e-4
+
+
 @pytest.mark.parametrize("yaw", [0.0, 0.1])
 def test_a_cylinder_that_slides_off_a_box_tips_over_its_edge(yaw: float) -> None:
     """Without friction; points of its rim come over the edge while it tips, and are no vertices."""

@@ -28,19 +28,18 @@ from lcpflex.contact.spatial.manifold.rods import (
     center_of,
     chord_of,
     is_along,
-    lowest_at,
     outward_of,
     rim_node,
 )
 from lcpflex.contact.spatial.manifold.weights import lay_weights
 from lcpflex.contact.spatial.narrow_phase.edges import END, TILT
-from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim
+from lcpflex.contact.spatial.narrow_phase.rim import FLAT, direction_at, lowest_on_rim
 from lcpflex.contact.spatial.narrow_phase.rim_line import half_of, nearest_on_rim, towards
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, frame_of, place_in, seen_from, world_place
 from lcpflex.contact.spatial.table import NODE_CAP, SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
-from lcpflex.kinematics.spatial.vectors import NOTHING, apart_from, dot, norm, scaled
+from lcpflex.kinematics.spatial.vectors import NOTHING, added, apart_from, dot, norm, scaled, turned_back
 from lcpflex.model.spatial import SpatialModel
 
 __all__ = ["NEARLY_PARALLEL", "NEAR_END", "Disc", "lay_end_on_end", "lay_end_on_face", "over_disc", "set_disc"]
@@ -316,6 +315,34 @@ def load_crossing_of_rim(
 
 
 @kernel
+def lowest_of_end(
+    model: SpatialModel, q: FloatArray, frame: Frame, rod: Rod, end: int, n: Vector, over: Vector
+) -> tuple[Vector, float]:
+    """The lowest place of a rim along n [m]; of one that lies flat that towards ``over``, whose angle is told, too.
+
+    A body that overhangs tips over it: between two points of the rim it would tip too soon, and fall on the arc.
+    """
+    point, rim = model.contacts.feature_point, rod.first + end
+    own = frame_of(model.bodies, q, model.contacts.surface_body[rod.surface])
+    o, x = point[rim, 0], point[rim, 1]
+    u = turned_back(frame.A, direction_at(model.points, q, own, o, x, 0.0))
+    v = cross(scaled(-1.0, outward_of(rod, end)), u)
+    d = apart_from(over, center_of(rod, end))
+    angle = math.atan2(dot(d, v), dot(d, u))
+    c, tilt = lowest_on_rim(rod.axis, n)
+    if tilt <= FLAT:
+        c = added(scaled(math.cos(angle), u), scaled(math.sin(angle), v))
+    place = added(center_of(rod, end), scaled(rod.radius, c))
+    return place, angle if angle != 0.0 else 2.0 * math.pi  # 0 stands for none
+
+
+@kernel
+def middle_of(rod: Rod) -> Vector:
+    """Of a cylinder [m]."""
+    return added(rod.start, scaled(0.5 * rod.length, rod.axis))
+
+
+@kernel
 def lay_end_on_face(
     model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, law: int, frame: Frame, rod: Rod,
     end: int, p: int, thin: float, size: float, n: int,
@@ -326,11 +353,10 @@ def lay_end_on_face(
     m = lay_face(model, table, disc, p)
     normal = polygon_normal(model, p)
     count, sense = collect_corners(model, q, table, frame, disc, m, is_along(rod, normal), thin)
-    _, tilt = lowest_on_rim(rod.axis, normal)
-    if tilt > FLAT:
-        x, y, z = seen_on(disc, lowest_at(rod, end, normal))
-        if over_polygon(table.patch[0], m, sense, x, y, thin):
-            count = lay_corner(table, count, x, y, z, LOWEST, 0, 0, thin)
+    place, angle = lowest_of_end(model, q, frame, rod, end, normal, NOTHING)
+    x, y, z = seen_on(disc, place)
+    if over_polygon(table.patch[0], m, sense, x, y, thin):
+        count = lay_corner(table, count, x, y, z, LOWEST, 0, 0, thin)
     weigh(table, count, thin, size)
     at, trace = table.patch[1], table.trace[1]
     first = n
@@ -344,7 +370,7 @@ def lay_end_on_face(
         elif made == ON_RIM:
             load_vertex(model, table, n, law, trace[k, 1], c.polygon_feature[p])
         elif made == LOWEST:
-            load_rim(model, table, n, law, rod.first + end, c.polygon_feature[p])
+            load_rim(model, table, n, law, rod.first + end, c.polygon_feature[p], angle)
         else:
             i = trace[k, 1]
             touches = touches_rim(model, table, disc, i, m, at[k, 0], at[k, 1])
@@ -363,16 +389,14 @@ def lay_end_on_end(
     disc, opposite = set_disc(rod, end), set_disc(other, facing)
     m = lay_rim_polygon(model, q, table, frame, disc, other, facing)
     count, _ = collect_corners(model, q, table, frame, disc, m, True, thin)
-    _, tilt = lowest_on_rim(rod.axis, other.axis)
-    if tilt > FLAT:
-        place = lowest_at(other, facing, disc.n)
-        if over_disc(disc, place, thin):
-            x, y, z = seen_on(disc, place)
-            count = lay_corner(table, count, x, y, z, LOWEST_OTHER, 0, 0, thin)
-        place = lowest_at(rod, end, opposite.n)
-        if over_disc(opposite, place, thin):
-            x, y, z = seen_on(disc, place)
-            count = lay_corner(table, count, x, y, z, LOWEST, 0, 0, thin)
+    place, angle_other = lowest_of_end(model, q, frame, other, facing, disc.n, middle_of(rod))
+    if over_disc(disc, place, thin):
+        x, y, z = seen_on(disc, place)
+        count = lay_corner(table, count, x, y, z, LOWEST_OTHER, 0, 0, thin)
+    place, angle = lowest_of_end(model, q, frame, rod, end, opposite.n, middle_of(other))
+    if over_disc(opposite, place, thin):
+        x, y, z = seen_on(disc, place)
+        count = lay_corner(table, count, x, y, z, LOWEST, 0, 0, thin)
     weigh(table, count, thin, size)
     at, trace = table.patch[1], table.trace[1]
     first = n
@@ -385,9 +409,9 @@ def lay_end_on_end(
         elif made == ON_RIM:
             load_by_cylinder(model, table, n, law, NODE_CAP, trace[k, 1], other.first, ENDS_OF + facing)
         elif made == LOWEST_OTHER:
-            load_rim(model, table, n, law, other.first + facing, cap_of(rod, end))
+            load_rim(model, table, n, law, other.first + facing, cap_of(rod, end), angle_other)
         elif made == LOWEST:
-            load_rim(model, table, n, law, rod.first + end, cap_of(other, facing))
+            load_rim(model, table, n, law, rod.first + end, cap_of(other, facing), angle)
         else:
             edge = table.trace[0, trace[k, 1], 1]
             load_crossing_of_rim(model, q, table, n, law, frame, disc, edge, at[k, 0], at[k, 1], False)

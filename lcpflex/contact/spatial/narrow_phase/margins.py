@@ -18,7 +18,7 @@ from lcpflex.contact.spatial.narrow_phase.cylinder import cylinder_margin
 from lcpflex.contact.spatial.narrow_phase.cylinder_edges import edge_margin
 from lcpflex.contact.spatial.narrow_phase.edges import END, TILT
 from lcpflex.contact.spatial.narrow_phase.facet import plane_of
-from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, rim_axis
+from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, place_on_rim, rim_axis
 from lcpflex.contact.spatial.narrow_phase.rims import rims_margin
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, line_between, place_in, seen_from, world_place
 from lcpflex.contact.spatial.table import (
@@ -209,8 +209,7 @@ def margin_on_j(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: S
         return (in_facet(model, q, j, f, table.foot[k, 0], table.foot[k, 1]) + beside) / extent
     place = world_place(i, place_in(model.points, q, i, table.point[k, 0]))
     if table.kind[k] == RIM_FACET:
-        axis = rim_axis(model.points, q, i, table.point[k, 0], table.point[k, 1])
-        lowest, _ = lowest_on_rim(axis, row_vector(table.normal, k))
+        lowest, _ = place_on_rim(model.points, q, i, table, k, row_vector(table.normal, k))
         place = added(place, scaled(table.radius[k, 2], lowest))
     place = seen_from(j, place)
     if kind == POLYGON:
@@ -232,6 +231,8 @@ def margin_on_i(model: SpatialModel, q: FloatArray, i: Frame, table: SpatialCont
         return on_line(model, touching - len(c.node_point), table.foot[k, 0])
     if with_edge(table, k):
         return crossed_within(model, q, i, touching - len(c.node_point), table.foot[k, 0], scaled(-1.0, n))
+    if table.kind[k] == RIM_FACET and table.facing[k] != 0.0:
+        return math.inf  # of a patch, which has it where it lies flat, too
     if table.kind[k] == RIM_FACET:
         _, tilt = lowest_on_rim(rim_axis(model.points, q, i, table.point[k, 0], table.point[k, 1]), n)
         return tilt - FLAT

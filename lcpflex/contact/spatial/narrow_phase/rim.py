@@ -5,20 +5,32 @@
 
 a is fixed in the material at o. C moves along the rim without changing the gap in first order, and the gap rate is
 that of the material at C: n.(v_o + R Omega x c - v_Q). |m| is the sine of the tilt. A disc that lies flat, |m| below
-``FLAT``, has no lowest point that could be told, and touches with fixed points of its rim instead.
+``FLAT``, has no lowest point that could be told, and touches with fixed points of its rim instead; in a patch with the
+point towards the middle of the other body as well, which is fixed in the material from one detection to the next.
 """
 
 from __future__ import annotations
+
+import math
 
 from lcpflex.contact.spatial.narrow_phase.facet import plane_of, set_over
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, is_rigid, modal_sum, place_in, world_place
 from lcpflex.contact.spatial.table import SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross, exponential, rotation_matrix
-from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, scaled, turned
+from lcpflex.kinematics.spatial.vectors import NOTHING, added, apart_from, dot, norm, row_vector, scaled, turned
 from lcpflex.model.spatial import SpatialPoints
 
-__all__ = ["FLAT", "lowest_on_rim", "refresh_rim", "rim_axis", "rim_rate", "turned_by_material"]
+__all__ = [
+    "FLAT",
+    "direction_at",
+    "lowest_on_rim",
+    "place_on_rim",
+    "refresh_rim",
+    "rim_axis",
+    "rim_rate",
+    "turned_by_material",
+]
 
 FLAT = 1e-7  # sine of the tilt below which a disc lies flat: rounding tells where its lowest point is
 LEVEL = 1e-12  # and below which it has none
@@ -60,19 +72,40 @@ def lowest_on_rim(a: Vector, n: Vector) -> tuple[Vector, float]:
 
 
 @kernel
+def direction_at(points: SpatialPoints, q: FloatArray, frame: Frame, o: int, x: int, angle: float) -> Vector:
+    """Across the axis of a rim at an angle about it, fixed in the material."""
+    a = apart_from(row_vector(points.place, x), row_vector(points.place, o))
+    a = scaled(1.0 / norm(a), a)
+    u, _ = lowest_on_rim(a, NOTHING)
+    c = added(scaled(math.cos(angle), u), scaled(math.sin(angle), cross(a, u)))
+    return turned_by_material(points, q, frame, o, c)
+
+
+@kernel
+def place_on_rim(
+    points: SpatialPoints, q: FloatArray, frame: Frame, table: SpatialContactTable, k: int, n: Vector
+) -> tuple[Vector, float]:
+    """c and |m| of entry k; of a disc that lies flat the place that detection has chosen, if any."""
+    o, x = table.point[k, 0], table.point[k, 1]
+    c, tilt = lowest_on_rim(rim_axis(points, q, frame, o, x), n)
+    if tilt <= FLAT and table.facing[k] != 0.0:
+        return direction_at(points, q, frame, o, x, table.facing[k]), 0.0
+    return c, tilt
+
+
+@kernel
 def refresh_rim(points: SpatialPoints, q: FloatArray, i: Frame, j: Frame, table: SpatialContactTable, k: int) -> None:
     """Gap, normal, tangent and foot of entry k."""
     plane = plane_of(points, q, j, table.point[k, 2], table.point[k, 3], table.point[k, 4])
     o = table.point[k, 0]
-    c, _ = lowest_on_rim(rim_axis(points, q, i, o, table.point[k, 1]), turned(j.A, plane.n))
+    c, _ = place_on_rim(points, q, i, table, k, turned(j.A, plane.n))
     lowest = added(world_place(i, place_in(points, q, i, o)), scaled(table.radius[k, 2], c))
     set_over(table, k, j, plane, lowest, table.radius[k, 0])
 
 
 @kernel
-def rim_rate(a: Vector, n: Vector, spin: Vector, ndot: Vector) -> tuple[Vector, Vector]:
+def rim_rate(a: Vector, n: Vector, c: Vector, size: float, spin: Vector, ndot: Vector) -> tuple[Vector, Vector]:
     """c, and cdot [1/s], where the material at o turns with ``spin``; of a disc without tilt, of the material."""
-    c, size = lowest_on_rim(a, n)
     if size == 0.0:
         return c, cross(spin, c)
     adot = cross(spin, a)
