@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from lcpflex.contact.spatial.detection import detect
-from lcpflex.contact.spatial.table import SpatialContactTable, copy_entry
+from lcpflex.contact.spatial.table import (
+    EDGE_CAP,
+    EDGE_FACET,
+    NODE_CAP,
+    NODE_FACET,
+    SpatialContactTable,
+    copy_entry,
+)
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.spatial import SpatialModel
 
@@ -13,11 +20,18 @@ FLUSH = 1e3  # tolerances: 1e-6 of the length, which a turn of a few 1e-8 rad ma
 
 
 @kernel
+def is_flat(table: SpatialContactTable, k: int) -> bool:
+    """Whether entry k is one over a flat face, which has others beside it."""
+    return table.kind[k] in (NODE_FACET, NODE_CAP, EDGE_FACET, EDGE_CAP)
+
+
+@kernel
 def closes_with(table: SpatialContactTable, k: int, first: int, last: int, tolerance: float) -> bool:
-    """Whether one of the entries first..last is of the same pair as entry k, and closed."""
+    """Whether one of the entries first..last is of the same two faces as entry k, and closed."""
     found = False
     for i in range(first, last):
-        found = found or (table.law[i] == table.law[k] and table.gap[i] <= tolerance)
+        same = is_flat(table, i) and table.law[i] == table.law[k]
+        found = found or (same and table.gap[i] <= tolerance)
     return found
 
 
@@ -33,11 +47,10 @@ def find_closed(model: SpatialModel, q: FloatArray, tolerance: float, table: Spa
         return n
     m = 0
     for k in range(n):
-        if (
-            table.gap[k] <= tolerance
-            or closes_with(table, k, 0, m, tolerance)
-            or closes_with(table, k, k + 1, n, tolerance)
-        ):
+        kept = table.gap[k] <= tolerance
+        if not kept and is_flat(table, k):
+            kept = closes_with(table, k, 0, m, tolerance) or closes_with(table, k, k + 1, n, tolerance)
+        if kept:
             if m != k:
                 copy_entry(table, k, table, m)
             m += 1
