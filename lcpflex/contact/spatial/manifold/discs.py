@@ -48,6 +48,7 @@ __all__ = ["NEARLY_PARALLEL", "NEAR_END", "Disc", "lay_end_on_end", "lay_end_on_
 # polygon, and of the polygon's own rim over the end
 CORNER, ON_RIM, CROSSING, LOWEST, LOWEST_OTHER = range(5)
 NEARLY_PARALLEL = 1e-3  # sine of the angle of two curves below which rounding and a little tilt turn their normal
+OVERHANGS = 0.9  # of the radius: nearer to the middle a body tips over none of 16 chords, which are .98 from there
 NEAR_END = 2.0 * END  # of its length: an edge that crosses so near its end is not followed as one that does
 
 
@@ -317,10 +318,12 @@ def load_crossing_of_rim(
 @kernel
 def lowest_of_end(
     model: SpatialModel, q: FloatArray, frame: Frame, rod: Rod, end: int, n: Vector, over: Vector
-) -> tuple[Vector, float]:
+) -> tuple[bool, Vector, float]:
     """The lowest place of a rim along n [m]; of one that lies flat that towards ``over``, whose angle is told, too.
 
-    A body that overhangs tips over it: between two points of the rim it would tip too soon, and fall on the arc.
+    A body that overhangs tips over it: between two points of the rim it would tip too soon, and fall on the arc. One
+    whose middle is far inside of the points tips over none, and of one in the very middle rounding tells the way: there
+    is no such place then.
     """
     point, rim = model.contacts.feature_point, rod.first + end
     own = frame_of(model.bodies, q, model.contacts.surface_body[rod.surface])
@@ -328,12 +331,15 @@ def lowest_of_end(
     u = turned_back(frame.A, direction_at(model.points, q, own, o, x, 0.0))
     v = cross(scaled(-1.0, outward_of(rod, end)), u)
     d = apart_from(over, center_of(rod, end))
-    angle = math.atan2(dot(d, v), dot(d, u))
+    across, along = dot(d, u), dot(d, v)
+    angle = math.atan2(along, across)
     c, tilt = lowest_on_rim(rod.axis, n)
     if tilt <= FLAT:
+        if math.hypot(across, along) < OVERHANGS * rod.radius:
+            return False, NOTHING, 0.0
         c = added(scaled(math.cos(angle), u), scaled(math.sin(angle), v))
     place = added(center_of(rod, end), scaled(rod.radius, c))
-    return place, angle if angle != 0.0 else 2.0 * math.pi  # 0 stands for none
+    return True, place, angle if angle != 0.0 else 2.0 * math.pi  # 0 stands for none
 
 
 @kernel
@@ -353,9 +359,9 @@ def lay_end_on_face(
     m = lay_face(model, table, disc, p)
     normal = polygon_normal(model, p)
     count, sense = collect_corners(model, q, table, frame, disc, m, is_along(rod, normal), thin)
-    place, angle = lowest_of_end(model, q, frame, rod, end, normal, NOTHING)
+    leans, place, angle = lowest_of_end(model, q, frame, rod, end, normal, NOTHING)
     x, y, z = seen_on(disc, place)
-    if over_polygon(table.patch[0], m, sense, x, y, thin):
+    if leans and over_polygon(table.patch[0], m, sense, x, y, thin):
         count = lay_corner(table, count, x, y, z, LOWEST, 0, 0, thin)
     weigh(table, count, thin, size)
     at, trace = table.patch[1], table.trace[1]
@@ -389,12 +395,12 @@ def lay_end_on_end(
     disc, opposite = set_disc(rod, end), set_disc(other, facing)
     m = lay_rim_polygon(model, q, table, frame, disc, other, facing)
     count, _ = collect_corners(model, q, table, frame, disc, m, True, thin)
-    place, angle_other = lowest_of_end(model, q, frame, other, facing, disc.n, middle_of(rod))
-    if over_disc(disc, place, thin):
+    leans, place, angle_other = lowest_of_end(model, q, frame, other, facing, disc.n, middle_of(rod))
+    if leans and over_disc(disc, place, thin):
         x, y, z = seen_on(disc, place)
         count = lay_corner(table, count, x, y, z, LOWEST_OTHER, 0, 0, thin)
-    place, angle = lowest_of_end(model, q, frame, rod, end, opposite.n, middle_of(other))
-    if over_disc(opposite, place, thin):
+    leans, place, angle = lowest_of_end(model, q, frame, rod, end, opposite.n, middle_of(other))
+    if leans and over_disc(opposite, place, thin):
         x, y, z = seen_on(disc, place)
         count = lay_corner(table, count, x, y, z, LOWEST, 0, 0, thin)
     weigh(table, count, thin, size)
