@@ -274,10 +274,22 @@ def note_changes(work: Workspace, memory: EventMemory) -> None:
                 note_event(memory, t, kind, law, change)
 
 
+@in_space("lcpflex.steppers.spatial.sliding")
+@kernel
+def leave_passing(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, found: int) -> int:
+    """Vertices that leave a face at this instant give way to what is there then; how many entries there are.
+
+    In the plane there are none. More than the table can hold: nothing is done yet.
+    """
+    return found
+
+
 @kernel
 def gather(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
     """All closed pairs into the table of the workspace. False leaves everything as it was: memory.number are needed."""
     found = detect(model, memory.y[: memory.nq], settings.gap_tolerance, memory.seen)
+    if found <= len(memory.seen.key):
+        found = leave_passing(model, settings, work, memory, found)
     if found > len(memory.seen.key):
         memory.number = found
         return False

@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from lcpflex.contact.narrow_phase.feature import foot_margin, node_margin
+from lcpflex.contact.narrow_phase.feature import foot_margin, node_margin, refresh
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.contact.spatial.detection import detect
 from lcpflex.contact.spatial.pairs import contact_point, gap_rate
-from lcpflex.contact.spatial.table import side_of
+from lcpflex.contact.spatial.table import NODE_CAP, NODE_FACET, side_of
 from lcpflex.contact.table import entry_of
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.spatial.acceleration import (
@@ -30,12 +30,13 @@ from lcpflex.dynamics.spatial.acceleration import (
 )
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.spatial.configuration import rate
 from lcpflex.kinematics.spatial.rotations import Vector
 from lcpflex.kinematics.spatial.vectors import added, dot, row_vector, scaled
 from lcpflex.model.arrays import SLIP, STICK
 from lcpflex.model.spatial import SpatialModel
 from lcpflex.solvers.contact.index_sets import SMOOTH, STICKING
-from lcpflex.steppers.event_driven.memory import CONE, PRESSURE, SLIDING as SLIDES, SPAN, EventSettings
+from lcpflex.steppers.event_driven.memory import CONE, PRESSURE, SLIDING as SLIDES, SPAN, EventSettings, copy_entry
 from lcpflex.steppers.event_driven.segment import FORCE_TOLERANCE
 from lcpflex.steppers.recorder import Recorder
 from lcpflex.steppers.spatial.records import note_spatial_contact
@@ -46,6 +47,7 @@ __all__ = [
     "before_it_leaves",
     "count_impulses",
     "first_side",
+    "leave_passing",
     "note_forces",
     "steps_behind",
     "sum_of",
@@ -57,6 +59,7 @@ __all__ = [
 ]
 
 SUMS = 4  # of each declared contact: normal impulse, that of friction in world axes
+PASSED = 10.0  # gap tolerances: what is no deeper where it leaves its face has not touched that
 STEPS_BEHIND = 3  # a contact that has left its feature: ever ten times as long, the first a thousandth of the usual
 GRAIN = 1e-3  # of the threshold: how far below it slip may be
 INCONSISTENT = (
@@ -275,3 +278,68 @@ def arises(model: SpatialModel, settings: EventSettings, work: SpatialWork, memo
             if table.law[k] == seen.law[i]:
                 return bool(abs(gap_rate(model, q, u, seen, i)) <= settings.velocity_threshold)
     return False
+
+
+@kernel
+def leaving_time(model: Any, settings: EventSettings, memory: Any, k: int) -> float:
+    """Within how long the vertex of entry k of what was seen leaves its face [s]; infinite if it strikes that before.
+
+    A tilted face that slides over an edge rests on where the edge crosses its sides. Its vertices sink below the plane
+    of the other face as they reach that edge, at an angle: each has a gap of 0 as it leaves, and strikes nothing.
+    """
+    nq, seen = memory.nq, memory.seen
+    if seen.kind[k] != NODE_FACET and seen.kind[k] != NODE_CAP:
+        return math.inf
+    q, u = memory.y[:nq], memory.y[nq : nq + len(memory.u)]
+    approach = -gap_rate(model, q, u, seen, k)
+    if approach <= settings.velocity_threshold:
+        return math.inf
+    later = PASSED * settings.gap_tolerance / approach
+    move_on(model, memory, later)
+    copy_entry(seen, k, memory.near, 0)
+    refresh(model, memory.dipping[:nq], memory.near, 0)
+    return later if foot_margin(model, memory.dipping[:nq], memory.near, 0) < -SPAN_TOLERANCE else math.inf
+
+
+@kernel
+def move_on(model: Any, memory: Any, time: float) -> None:
+    """The configuration so little later [s] that velocities stay, to ``memory.dipping``."""
+    nq = memory.nq
+    rate(model, memory.y[:nq], memory.y[nq : nq + len(memory.u)], memory.slope)
+    for i in range(nq):
+        memory.dipping[i] = memory.y[i] + time * memory.slope[i]
+
+
+@kernel
+def leave_passing(model: Any, settings: EventSettings, work: SpatialWork, memory: Any, found: int) -> int:
+    """Vertices that leave a face at this instant give way to what is there then; how many entries there are.
+
+    They are of bodies that touch already. More than the table can hold: nothing is done yet.
+    """
+    seen, near, nq = memory.seen, memory.near, memory.nq
+    last = 0.0
+    kept = 0
+    for k in range(found):
+        law = seen.law[k]
+        touches = False
+        for i in range(memory.n_contacts):
+            touches = touches or work.table.law[i] == law
+        later = leaving_time(model, settings, memory, k) if touches else math.inf
+        if later < math.inf:
+            last = max(last, later)
+        else:
+            copy_entry(seen, k, seen, kept)
+            kept += 1
+    if kept == found:
+        return found
+    move_on(model, memory, last)
+    count = detect(model, memory.dipping[:nq], PASSED * settings.gap_tolerance, near)
+    if max(count, kept + count) > len(seen.key):
+        return kept + count
+    for i in range(count):
+        if entry_of(seen.key, kept, near.key[i], 0) >= 0:
+            continue
+        copy_entry(near, i, seen, kept)
+        refresh(model, memory.y[:nq], seen, kept)
+        kept += 1 if abs(seen.gap[kept]) <= settings.gap_tolerance else 0
+    return kept
