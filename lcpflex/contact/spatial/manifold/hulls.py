@@ -38,8 +38,6 @@ TIE = 1e-9  # by which the first body's face must be farther from the other to b
 SHALLOW = 1e-6  # by which edges must be farther apart than faces, with a tenth of the depth: else the patch tells more
 DROP = 1e-7  # by which an edge must fall below a face beyond its side, with its depth there, to hang on that side
 WORSE = 0.1  # of the depth
-RIM = 1e-6  # from the side of a face: a vertex of a tilted one that is over it passes that side before it touches
-STEEP = 1e-4  # by which the next vertex is lower then: faces that are nearer to flush carry with both
 
 
 class Patch(NamedTuple):
@@ -145,31 +143,6 @@ def leads_out(n: Vector, e: Vector, face: Vector, sense: float) -> bool:
 
 
 @kernel
-def leaves(model: SpatialModel, own: int, other: int, pose: Pose, node: int, size: float) -> bool:
-    """Whether a vertex of polygon ``own``, whose pose in the frame of the ``other`` is given, leaves that over a side.
-
-    It is over the rim, and the next vertex is beyond and below: the body hangs over that side, and its vertex passes
-    it with no more than a gap. Its face, or an edge of it, touches there.
-    """
-    c = model.contacts
-    n = polygon_normal(model, other)
-    here = added(turned(pose.A, node_place(model, node)), pose.d)
-    if beyond_side(model, other, here) < -RIM * size:
-        return False
-    height = dot(n, here) - c.polygon_plane[other, 3]
-    lowest = height - max(-height, 0.0) - STEEP * size
-    for k in range(c.side_start[own], c.side_start[own + 1]):
-        after = next_side(model, own, k)
-        if node not in (c.side_node[k], c.side_node[after]):
-            continue
-        next_one = c.side_node[after] if c.side_node[k] == node else c.side_node[k]
-        place = added(turned(pose.A, node_place(model, next_one)), pose.d)
-        if dot(n, place) - c.polygon_plane[other, 3] < lowest and beyond_side(model, other, place) > 0.0:
-            return True
-    return False
-
-
-@kernel
 def load_corner(
     model: SpatialModel,
     table: SpatialContactTable,
@@ -190,12 +163,8 @@ def load_corner(
     end = near_end(model, patch, mine, place) if made == CROSSING else (c.side_node[mine] if made == INCIDENT else -1)
     if end >= 0 and (at < 0 or patch.second):
         load_vertex(model, table, n, patch.law, end, c.polygon_feature[patch.p])
-        if leaves(model, patch.g, patch.p, patch.pose, end, patch.size):
-            table.key[n] = -1
     elif at >= 0:
         load_vertex(model, table, n, patch.law, at, c.polygon_feature[patch.g])
-        if leaves(model, patch.p, patch.g, back(patch.pose), at, patch.size):
-            table.key[n] = -1
     elif made == CROSSING:
         of_other, of_this = c.side_edge[mine], c.side_edge[side]
         e, f = (of_other, of_this) if patch.second else (of_this, of_other)
