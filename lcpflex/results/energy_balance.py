@@ -171,7 +171,7 @@ def held_energy(compiled: Any, times: FloatArray, impulse: FloatArray) -> float:
     """
     if compiled is None or not times.size or not times[-1] > times[0]:
         return load_energy(compiled)
-    pressed = float(np.linalg.norm(impulse[-1], axis=-1).sum()) / float(times[-1] - times[0])
+    pressed = float(np.abs(impulse[-1]).sum()) / float(times[-1] - times[0])
     return load_energy(compiled) + float(compiled.size) * pressed
 
 
