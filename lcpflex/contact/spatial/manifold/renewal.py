@@ -6,7 +6,7 @@ import math
 
 from lcpflex.contact.spatial.manifold.weights import lay_weights
 from lcpflex.contact.spatial.pairs import contact_point
-from lcpflex.contact.spatial.table import EDGE_EDGE, EDGE_FACET, SpatialContactTable
+from lcpflex.contact.spatial.table import EDGE_EDGE, EDGE_FACET, RIM_FACET, SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.vectors import apart_from, dot, row_vector
 from lcpflex.model.spatial import SpatialModel
@@ -19,7 +19,7 @@ THIN = 1e-9  # of the square of the patch: an area that is less stands for round
 @kernel
 def of_patch(table: SpatialContactTable, k: int) -> bool:
     """Whether entry k may be of a corner of a patch."""
-    return bool(table.facing[k] == -math.inf or table.kind[k] == EDGE_FACET or table.kind[k] == EDGE_EDGE)
+    return bool(table.facing[k] == -math.inf or table.kind[k] in (EDGE_FACET, EDGE_EDGE, RIM_FACET))
 
 
 @kernel
