@@ -31,6 +31,7 @@ __all__ = [
 COMPILED, POSED = 0, 1  # methods: POSED, each problem with its Delassus operator, for solvers that are not compiled in
 NOTHING_KNOWN, SOLUTION_KNOWN, WEDGED_KNOWN = 0, 1, 2  # of a problem: ``force`` is to be judged, the last by its terms
 TOLERANCE = 1e-9  # of residuals, where nobody tells
+OF_A_PAIR = 64  # contacts of one pair of bodies whose load can be divided in an island that is not posed, at least
 
 
 @struct
@@ -117,7 +118,8 @@ def cone_memory(
     """
     rows = 3 * (capacity if dense is None else dense)
     sizes = {"contacts": capacity, "triples": 3 * capacity, "rows": rows, "ndof": ndof}
-    memory = allocate(SpatialSolverMemory, sizes, newton=cone_work(rows // 3), shares=shares(capacity, rows, ndof))
+    pair = max(rows, 3 * min(capacity, OF_A_PAIR))
+    memory = allocate(SpatialSolverMemory, sizes, newton=cone_work(rows // 3), shares=shares(capacity, pair, ndof))
     memory.tolerance = TOLERANCE
     if before is not None:
         memory.method, memory.known, memory.tolerance = before.method, before.known, before.tolerance
