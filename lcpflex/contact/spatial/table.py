@@ -110,6 +110,7 @@ class SpatialContactTable:
     first: IntArray = array("declared")  # first surface of each declared contact, in tables that tell it
     owner: IntArray = array("owners")  # and the body of each surface there
     collects: int
+    seams: int  # 1: what bodies have on an edge of one alone, beyond two of its faces at once, is no contact
     pairs: RulePairs
     touching: float
 

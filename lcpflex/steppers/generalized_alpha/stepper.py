@@ -25,10 +25,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import partial
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from lcpflex.basics.options import keep_number, keep_number_or_none
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model.layout import is_spatial
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
@@ -147,4 +148,7 @@ class GeneralizedAlpha:
         )
         support = Support(grown=partial(larger, system), warnings=_unsettled)
         stepping = TimeStepping(system, scheme, self.solver, support, self.on_unsolved, self.budget)
+        if is_spatial(system.model):  # its steps end anywhere, also on a seam: it strikes what closes at their ends
+            table: Any = stepping.work.table
+            table.seams = 1
         return started(stepping, self.adaptive, duration, interval, (0.5, 0.5))

@@ -17,8 +17,10 @@ from lcpflex.kinematics.spatial.rotations import Matrix, Vector, cross, product
 from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, row_vector, scaled, turned, turned_back
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["FaceAxis", "Pose", "Ridges", "back", "incident_face", "node_place", "polygon_normal", "ridges", "seen",
-           "widest_face"]  # fmt: skip
+__all__ = ["ONE_FACE", "FaceAxis", "Pose", "Ridges", "back", "beyond_edge", "incident_face", "node_place",
+           "polygon_normal", "ridges", "seen", "widest_face"]  # fmt: skip
+
+ONE_FACE = 0.995  # cosine of .1 rad: faces that make less of an edge are one, made of points that are not in one plane
 
 
 class Pose(NamedTuple):
@@ -97,6 +99,32 @@ def widest_face(model: SpatialModel, s: int, other: int, pose: Pose, margin: flo
             if separation > margin:
                 break
     return best
+
+
+@kernel
+def beyond_edge(model: SpatialModel, s: int, other: int, pose: Pose, first: int, band: float) -> bool:
+    """Whether the ``other`` body is beyond a second face of s, too, to rounding: at an edge, where no face is nearer.
+
+    first: the face that it is beyond; band: what stands for rounding [m].
+    """
+    c = model.contacts
+    place, point = model.points.place, c.node_point
+    m = polygon_normal(model, first)
+    for p in range(c.polygon_start[s], c.polygon_start[s + 1]):
+        n = polygon_normal(model, p)
+        if dot(n, m) > ONE_FACE:
+            continue
+        x, y, z = turned_back(pose.A, n)
+        least = c.polygon_plane[p, 3] - dot(n, pose.d) - band
+        beyond = True
+        for k in range(c.node_start[other], c.node_start[other + 1]):
+            at = point[k]
+            if x * place[at, 0] + y * place[at, 1] + z * place[at, 2] < least:
+                beyond = False
+                break
+        if beyond:
+            return True
+    return False
 
 
 @kernel

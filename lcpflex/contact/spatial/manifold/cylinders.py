@@ -13,7 +13,7 @@ from typing import NamedTuple
 from lcpflex.contact.spatial.cylinder_pass import SIDE_OF
 from lcpflex.contact.spatial.entries import load_by_cylinder, load_edge_by_rim, load_edge_by_side, load_edges, load_rims
 from lcpflex.contact.spatial.kinds import AROUND
-from lcpflex.contact.spatial.manifold.axes import ends_of, incident_face, node_place, polygon_normal
+from lcpflex.contact.spatial.manifold.axes import ONE_FACE, ends_of, incident_face, node_place, polygon_normal
 from lcpflex.contact.spatial.manifold.discs import (
     NEARLY_PARALLEL,
     lay_end_on_end,
@@ -21,7 +21,7 @@ from lcpflex.contact.spatial.manifold.discs import (
     over_disc,
     set_disc,
 )
-from lcpflex.contact.spatial.manifold.hulls import SHALLOW, THIN, TIE, WORSE
+from lcpflex.contact.spatial.manifold.hulls import ROUNDED, SHALLOW, THIN, TIE, WORSE
 from lcpflex.contact.spatial.manifold.lines import (
     lay_along_edge,
     lay_end_of_rod,
@@ -108,6 +108,18 @@ def flat_of_polyhedron(model: SpatialModel, s: int, rod: Rod, margin: float) -> 
             if separation > margin:
                 break
     return best
+
+
+@kernel
+def rod_beyond_edge(model: SpatialModel, s: int, rod: Rod, first: int, band: float) -> bool:
+    """Whether a rod is beyond a second face of polyhedron s, too, as :func:`beyond_edge`."""
+    c = model.contacts
+    m = polygon_normal(model, first)
+    for p in range(c.polygon_start[s], c.polygon_start[s + 1]):
+        n = polygon_normal(model, p)
+        if dot(n, m) <= ONE_FACE and lowest_height(rod, n) - c.polygon_plane[p, 3] >= -band:
+            return True
+    return False
 
 
 @kernel
@@ -301,6 +313,9 @@ def cylinder_touches(
         return n
     of_end = flat_of_rod(model, b, rod)
     size = 2.0 * min(c.surface_extent[a], c.surface_extent[b])
+    on_plane = table.seams == 1 and abs(of_face.separation) <= ROUNDED * size
+    if on_plane and rod_beyond_edge(model, b, rod, of_face.at, ROUNDED * size):
+        return n
     thin = THIN * size
     flat = of_end if of_end.separation > of_face.separation + TIE * size else of_face
     if flat.separation > margin:

@@ -6,8 +6,10 @@ from typing import NamedTuple
 
 from lcpflex.contact.spatial.entries import load_crossing, load_edges, load_vertex
 from lcpflex.contact.spatial.manifold.axes import (
+    FaceAxis,
     Pose,
     back,
+    beyond_edge,
     ends_of,
     incident_face,
     node_place,
@@ -35,6 +37,7 @@ APART = -1  # instead of a count: no face and no two edges are nearest to each o
 THIN = 2.5e-10  # sides are so thick: stands for rounding, and is less than what ends an entry
 ONE = 1e-8  # corners so near each other are one: a face that leaves by its end has no other corner beside that
 TIE = 1e-9  # by which the first body's face must be farther from the other to be the reference: not by rounding
+ROUNDED = 1e-12  # by which places miss a plane that they are in
 SHALLOW = 1e-6  # by which edges must be farther apart than faces, with a tenth of the depth: else the patch tells more
 DROP = 1e-7  # by which an edge must fall below a face beyond its side, with its depth there, to hang on that side
 WORSE = 0.1  # of the depth
@@ -224,6 +227,20 @@ def lay_patch(
     return n
 
 
+@kernel
+def is_beside(
+    model: SpatialModel, a: int, b: int, pose: Pose, reverse: Pose, over_a: FaceAxis, over_b: FaceAxis, band: float
+) -> bool:
+    """Whether one of two bodies is beyond two faces of the other at once, to rounding: at their edge, over neither.
+
+    A box that slides over the seam of two flush ones is there with its front, in the plane of the sides that meet at
+    the seam: which face of the second one it would touch first is not known, and it passes along either.
+    """
+    if abs(over_b.separation) <= band and beyond_edge(model, b, a, pose, over_b.polygon, band):
+        return True
+    return abs(over_a.separation) <= band and beyond_edge(model, a, b, reverse, over_a.polygon, band)
+
+
 @late_kernel
 def polyhedra_touch(
     model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, n: int
@@ -245,6 +262,8 @@ def polyhedra_touch(
     size = 2.0 * min(c.surface_extent[a], c.surface_extent[b])
     second = over_a.separation <= over_b.separation + TIE * size
     axis, there = (over_b, pose) if second else (over_a, reverse)
+    if table.seams == 1 and is_beside(model, a, b, pose, reverse, over_a, over_b, ROUNDED * size):
+        return n
     normal = polygon_normal(model, axis.polygon)
     g, cosine = incident_face(model, axis.node, turned_back(there.A, normal))
     patch = Patch(law, axis.polygon, g, there, second, normal, THIN * size, size)
