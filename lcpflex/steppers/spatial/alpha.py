@@ -27,7 +27,7 @@ from lcpflex.kinematics.spatial.vectors import dot
 from lcpflex.solvers.contact.index_sets import SMOOTH as FRICTIONLESS, STICKING
 from lcpflex.solvers.contact.recollection import turn_over
 from lcpflex.steppers.event_driven.memory import copy_entry
-from lcpflex.steppers.generalized_alpha.memory import POSITION, hold
+from lcpflex.steppers.generalized_alpha.memory import POSITION, SMOOTH, hold, match
 from lcpflex.steppers.generalized_alpha.smooth import add_row
 from lcpflex.steppers.island_problems import solve_island, solve_islands
 from lcpflex.steppers.recorder import INSIDE, Recorder
@@ -174,6 +174,24 @@ def slides(work: SpatialWork, scheme: Any, i: int) -> bool:
 
 
 @kernel
+def rest_on(work: SpatialWork, scheme: Any, i: int) -> None:
+    """Forces ``work.p`` of island i as they were in the last smooth motion, in the cone: where the solver begins."""
+    islands = work.islands
+    for c in range(islands.start[i], islands.start[i + 1]):
+        k = islands.contact[c]
+        m, j = scheme.matched[k], work.tangent_of[k]
+        force = float(scheme.resting.load[m, 0]) if m >= 0 else 0.0
+        work.p[work.n_joint + k] = force
+        if j >= 0:
+            first, second = resting_friction(work, scheme, k) if m >= 0 else (0.0, 0.0)
+            size, most = math.hypot(first, second), work.mu[k] * force
+            share = most / size if size > most else 1.0
+            r = work.n_joint + work.n_contacts + j
+            work.p[r], work.p[r + 1] = share * first, share * second
+    work.solver.begun = 1
+
+
+@kernel
 def solve_problems(work: SpatialWork, scheme: Any, t: float, last: bool, recorder: Recorder) -> int:
     """The problems laid that are not solved yet; with known slip where a contact slides, but for those of positions."""
     if scheme.phase == POSITION:
@@ -183,6 +201,9 @@ def solve_problems(work: SpatialWork, scheme: Any, t: float, last: bool, recorde
         work.remembered.n_next = 0
         slide_on(work, scheme)
     work.unsolved_large = 0
+    smooth = scheme.phase <= SMOOTH and scheme.turn == 0 and scheme.resting.count > 0  # or begins anew
+    if smooth:
+        match(work.table, work.n_contacts, scheme.resting, scheme.matched)
     while islands.next < islands.count:
         i = islands.next
         if slides(work, scheme, i):
@@ -190,7 +211,10 @@ def solve_problems(work: SpatialWork, scheme: Any, t: float, last: bool, recorde
             for c in range(islands.start[i + 1] - islands.start[i]):
                 work.solver.slip[c] = 0.0
         else:
+            if smooth:
+                rest_on(work, scheme, i)
             status = solve_island(work, i, scheme.tolerance, warm, recorder)
+            work.solver.begun = 0
         if status != RunStatus.DONE:
             return status
         if last:

@@ -57,8 +57,9 @@ def is_leaving(
     are a little inside, by what steps leave: else the vertex would be above the face until it is beyond.
     """
     c = model.contacts
-    f = table.key[k] % len(c.feature_kind)
-    if table.kind[k] != NODE_FACET or c.feature_kind[f] != POLYGON:
+    if table.kind[k] != NODE_FACET or len(c.polygon_feature) == 0:  # no convex bodies, or functions of a user's
+        return False
+    if c.feature_kind[table.key[k] % len(c.feature_kind)] != POLYGON:
         return False
     extent = c.surface_extent[surface_of(c.node_start, table.key[k] // len(c.feature_kind))]
     n = row_vector(table.normal, k)

@@ -35,10 +35,15 @@ LAST_WORD = 128  # contacts of the largest island that is posed densely where an
 
 @kernel
 def begin_island(work: SpatialWork, i: int, warm: bool) -> None:
-    """Where the forces ``work.p`` of island i begin: from the last step, or from none."""
+    """Where the forces ``work.p`` of island i begin: from the last step, from none, or where they are."""
     memory, islands, table, known, p = work.solver, work.islands, work.table, work.remembered, work.p
     first, guess = islands.start[i], 0
     memory.polished = 0
+    if memory.begun == 1:
+        memory.begun = 0
+        for c in range(islands.start[i + 1] - first):
+            memory.slip[c] = 0.0
+        return
     for c in range(islands.start[i + 1] - first):
         k = islands.contact[first + c]
         place = place_of(known, table.key[k], guess) if warm else -1

@@ -59,6 +59,7 @@ class SpatialSolverMemory:
 
     method: int
     known: int
+    begun: int  # 1: the forces of the next island to be solved are those to begin from
     size: int
     residual: float  # in units of the contacts
     strict: float  # relative to the free velocity alone
