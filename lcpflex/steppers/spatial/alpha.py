@@ -188,7 +188,6 @@ def rest_on(work: SpatialWork, scheme: Any, i: int) -> None:
             share = most / size if size > most else 1.0
             r = work.n_joint + work.n_contacts + j
             work.p[r], work.p[r + 1] = share * first, share * second
-    work.solver.begun = 1
 
 
 @kernel
@@ -201,8 +200,8 @@ def solve_problems(work: SpatialWork, scheme: Any, t: float, last: bool, recorde
         work.remembered.n_next = 0
         slide_on(work, scheme)
     work.unsolved_large = 0
-    smooth = scheme.phase <= SMOOTH and scheme.turn == 0 and scheme.resting.count > 0  # or begins anew
-    if smooth:
+    smooth = scheme.phase <= SMOOTH  # or begins anew
+    if smooth and scheme.turn == 0:
         match(work.table, work.n_contacts, scheme.resting, scheme.matched)
     while islands.next < islands.count:
         i = islands.next
@@ -211,8 +210,9 @@ def solve_problems(work: SpatialWork, scheme: Any, t: float, last: bool, recorde
             for c in range(islands.start[i + 1] - islands.start[i]):
                 work.solver.slip[c] = 0.0
         else:
-            if smooth:
+            if smooth and scheme.turn == 0:
                 rest_on(work, scheme, i)
+            work.solver.begun = 1 if smooth else 0  # of later passes from the one before
             status = solve_island(work, i, scheme.tolerance, warm, recorder)
             work.solver.begun = 0
         if status != RunStatus.DONE:
