@@ -32,7 +32,7 @@ __all__ = [
 Array = Any
 SMALL = 1e-4  # amount up to which a place is judged by the aligned one
 WIDTH = 0.1  # [m] of bodies that are tilted: what turns in a step in which one side does not touch yet
-STEP_SEES = 1e-6  # tilt above which time stepping takes a side for open, which it is for a step
+STEP_SEES = 1e-10  # tilt above which time stepping takes a side for open, which it is for a step
 MERGED = (
     5e-7  # of corners that leave within 1e-8 of the size of each other and count as one: it tips fifty times as far
 )
@@ -132,15 +132,17 @@ def moves_as_it_must(motion: Motion, place: Place, stepper: Any, aligned: lf.Res
     size = 2.0 * float(np.linalg.norm(motion.moved.corners, axis=1).max())
     event_driven = isinstance(stepper, lf.EventDriven)
     if place.amount <= SMALL:
-        stepped = 0.0 if event_driven or not (motion.leaves or place.tilt > STEP_SEES) else GRAVITY * STEP**2 / WIDTH
+        seen = motion.leaves + (place.tilt > STEP_SEES)  # events that time stepping sees at the end of a step
+        stepped = 0.0 if event_driven else seen * GRAVITY * STEP**2 / WIDTH
         merged = MERGED if motion.leaves else 0.0
         return Bound(off_aligned(result, aligned, size), 10.0 * place.amount + 1e-8 + merged + 1.5 * stepped)
     fine = lf.EventDriven(rtol=0.1 * lf.EventDriven().rtol)
     truth = lf.simulate(motion.build(place), motion.duration, fine, progress=False)
     off, travel = off_truth(result, truth, motion.moved.corners, -1)
     late = 0.0 if event_driven else LATE * STEP
+    passing = travel / motion.duration if motion.leaves else 0.0  # speed at which it leaves, seen at the end of a step
     landing = motion.speed + math.sqrt(2.0 * GRAVITY * place.tilt * size)  # a tilted body lands on its other corners
-    return Bound(off, 1e-3 * travel + late * landing)
+    return Bound(off, 1e-3 * travel + late * (landing + passing))
 
 
 def deepest_overlap(result: lf.Result, corners: Array) -> float:

@@ -150,6 +150,6 @@ MOTIONS = {
     "slides": Motion(sliding, box(*BRICK), 0.1),
     "off a ramp": Motion(off_a_ramp, box(0.1, 0.1, 0.06), 0.25, leaves=True),
     "over an end": Motion(over_an_end, box(*BRICK), 0.15),
-    "rolls": Motion(rolling, drum(0.05, 0.1), 0.25, tilts=False),
+    "rolls": Motion(rolling, drum(0.05, 0.1), 0.25, tilts=False, leaves=True),
     "end to end": Motion(end_to_end, box(0.02, 0.02, 0.2), 0.02, speed=1.0, tilts=False),
 }

@@ -15,7 +15,7 @@ from lcpflex.contact.narrow_phase.feature import foot_margin, node_margin, refre
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.contact.spatial.detection import detect
 from lcpflex.contact.spatial.pairs import contact_point, gap_rate
-from lcpflex.contact.spatial.table import NODE_CAP, NODE_FACET, side_of
+from lcpflex.contact.spatial.table import EDGE_FACET, NODE_CAP, NODE_FACET, side_of
 from lcpflex.contact.table import entry_of
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.spatial.acceleration import (
@@ -59,6 +59,7 @@ __all__ = [
 ]
 
 SUMS = 4  # of each declared contact: normal impulse, that of friction in world axes
+MOVED, UPWARDS = 1e2, 1e-6  # gap tolerances by which bodies move to tell, and by which part of that a gap opens
 PASSED = 10.0  # gap tolerances: what is no deeper where it leaves its face has not touched that
 STEPS_BEHIND = 3  # a contact that has left its feature: ever ten times as long, the first a thousandth of the usual
 GRAIN = 1e-3  # of the threshold: how far below it slip may be
@@ -311,6 +312,28 @@ def move_on(model: Any, memory: Any, time: float) -> None:
 
 
 @kernel
+def rises(model: Any, settings: EventSettings, memory: Any, k: int) -> bool:
+    """Whether a crossing over a face that was seen opens as it moves along its edge, which leads up from the face.
+
+    Its row tells nothing of that, being of the material there. A vertex of a tilted face that leaves it over a side
+    makes two crossings: along the edge that touches one goes on, along the other one the gap begins from 0.
+    """
+    nq, seen = memory.nq, memory.seen
+    if seen.kind[k] != EDGE_FACET:
+        return False
+    largest = 0.0
+    for i in range(len(memory.u)):
+        largest = max(largest, abs(memory.y[nq + i]))
+    if not largest > 0.0:
+        return False
+    moved = MOVED * settings.gap_tolerance
+    move_on(model, memory, moved / largest)
+    copy_entry(seen, k, memory.near, 0)
+    refresh(model, memory.dipping[:nq], memory.near, 0)
+    return bool(memory.near.gap[0] - seen.gap[k] > UPWARDS * moved)
+
+
+@kernel
 def leave_passing(model: Any, settings: EventSettings, work: SpatialWork, memory: Any, found: int) -> int:
     """Vertices that leave a face at this instant give way to what is there then; how many entries there are.
 
@@ -325,13 +348,15 @@ def leave_passing(model: Any, settings: EventSettings, work: SpatialWork, memory
         for i in range(memory.n_contacts):
             touches = touches or work.table.law[i] == law
         later = leaving_time(model, settings, memory, k) if touches else math.inf
+        if touches and rises(model, settings, memory, k):
+            continue
         if later < math.inf:
             last = max(last, later)
         else:
             copy_entry(seen, k, seen, kept)
             kept += 1
-    if kept == found:
-        return found
+    if last == 0.0:
+        return kept
     move_on(model, memory, last)
     count = detect(model, memory.dipping[:nq], PASSED * settings.gap_tolerance, near)
     if max(count, kept + count) > len(seen.key):
@@ -341,5 +366,6 @@ def leave_passing(model: Any, settings: EventSettings, work: SpatialWork, memory
             continue
         copy_entry(near, i, seen, kept)
         refresh(model, memory.y[:nq], seen, kept)
-        kept += 1 if abs(seen.gap[kept]) <= settings.gap_tolerance else 0
+        touches = abs(seen.gap[kept]) <= settings.gap_tolerance
+        kept += 1 if touches and not rises(model, settings, memory, kept) else 0
     return kept
