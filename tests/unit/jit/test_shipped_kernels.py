@@ -176,8 +176,8 @@ def test_the_whole_library_for_all_processors(tmp_path: Path) -> None:
     filled = subprocess.run([*command, "--target", "x86-64", "--into", str(folder)], capture_output=True, text=True)
     assert filled.returncode == 0, filled.stderr
     names = sorted(path.name for path in folder.iterdir())
-    # Of the plane, and of space with its contacts: 27.0e6 where it was measured.
-    assert sum(path.stat().st_size for path in folder.iterdir()) < 35e6
+    # Of the plane, and of space with its contacts: 37.4e6 where it was measured, 8e6 of these patches and cylinders.
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 45e6
     empty = tmp_path / "empty"
     environment = {**os.environ, "LCPFLEX_CACHE_PATH": f"{empty}{os.pathsep}{folder}"}
     again = subprocess.run(command, env=environment, capture_output=True, text=True)
