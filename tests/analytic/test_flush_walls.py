@@ -103,8 +103,8 @@ def test_cubes_stack_however_right_angles_are_written(names: tuple[str, str, str
 def test_cubes_stack_with_every_spelling(stepper: str) -> None:
     """Each in the middle, with the next ones in the list below and above.
 
-    Chains of floats of four bytes are off by 1e-7 rad: a side is open by 1e-8 m, and falls for a step, by g h^2 / 2; which
-    of the spellings do is rounding.
+    Chains of floats of four bytes are off by 1e-7 rad: a side is open by 1e-8 m, and falls for a step, by g h^2 / 2.
+    Which of the spellings do is rounding.
     """
     names, fallen = list(TURNS), []
     for k in range(len(names)):
