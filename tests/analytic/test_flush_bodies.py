@@ -10,7 +10,6 @@ import pytest
 
 import lcpflex as lf
 from tests.flush.judging import Bound, broken, moves_as_it_must, rests
-from tests.flush.pairs import ROUND
 from tests.flush.places import Place, few, single
 from tests.flush.scenes import MOTIONS, RESTS, STEPPERS, rolling
 
@@ -22,16 +21,8 @@ over_motions = pytest.mark.parametrize("name", MOTIONS)
 over_steppers = pytest.mark.parametrize("stepper", STEPPERS)
 
 
-def skip_where_no_contact(name: str) -> None:
-    """Of cylinders with boxes."""
-    if name in ("drum on box", "rolls") and not ROUND["drum on box"].touches:
-        pytest.skip("there is no contact of a cylinder with a box")
-
-
 def resting(name: str, stepper: str, places: Iterable[Place]) -> list[str]:
     """Where one of the scenes that must rest does not."""
-
-    skip_where_no_contact(name)
 
     def judge(place: Place) -> Bound:
         return rests(lf.simulate(RESTS[name](place), 0.05, STEPPERS[stepper], progress=False), SIZE)
@@ -41,7 +32,6 @@ def resting(name: str, stepper: str, places: Iterable[Place]) -> list[str]:
 
 def moving(name: str, stepper: str, places: Iterable[Place]) -> list[str]:
     """Where one of the scenes that move does not do so as it must."""
-    skip_where_no_contact(name)
     motion = MOTIONS[name]
     aligned = lf.simulate(motion.build(Place()), motion.duration, STEPPERS[stepper], progress=False)
     return broken(places, lambda place: moves_as_it_must(motion, place, STEPPERS[stepper], aligned))
@@ -108,7 +98,6 @@ def test_the_judges_see_what_falls_through_and_what_is_late() -> None:
 
 def test_a_drum_rolls_on_a_box() -> None:
     """As far as it goes without slip, and no higher."""
-    skip_where_no_contact("rolls")
     result = lf.simulate(rolling(Place()), 0.25, lf.EventDriven(), progress=False)
     np.testing.assert_allclose(result.q[-1, -7:-4], [0.1, 0.0, 0.11], atol=1e-8)
     np.testing.assert_allclose(result.u[-1, -6:-3], [1.0, 0.0, 0.0], atol=1e-8)

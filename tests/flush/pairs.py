@@ -100,13 +100,6 @@ class Kind(NamedTuple):
         """Diagonal of the smaller body [m]."""
         return min(2.0 * float(np.linalg.norm(shape.corners, axis=1).max()) for shape in (self.low, self.up))
 
-    @property
-    def touches(self) -> bool:
-        """Whether there is a contact of these kinds."""
-        scene = lf.SpatialScene()
-        low, up = (scene.add(shape.body).surface() for shape in (self.low, self.up))
-        return bool(low.shape.can_touch(up.shape))
-
 
 def _bar() -> Shape:
     """Upright: what two of them do end to end."""
