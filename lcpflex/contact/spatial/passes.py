@@ -13,7 +13,8 @@ from lcpflex.contact.spatial.cylinder_pass import nodes_on_cylinder
 from lcpflex.contact.spatial.edge_pass import edges_on_edges
 from lcpflex.contact.spatial.entries import load_node, load_rim
 from lcpflex.contact.spatial.kinds import PLANE, POINT, RIM
-from lcpflex.contact.spatial.manifold.cylinders import cylinder_touches, cylinders_touch
+from lcpflex.contact.spatial.manifold.cylinder_on_hull import cylinder_touches
+from lcpflex.contact.spatial.manifold.cylinders import cylinders_touch
 from lcpflex.contact.spatial.manifold.hulls import APART, polyhedra_touch
 from lcpflex.contact.spatial.mesh_detection import meshes_touch
 from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, rim_axis
