@@ -63,7 +63,8 @@ class UserSystem:
     stiffness, damping
         Constant K and C, (n, n), symmetric positive semidefinite, which time-stepping schemes treat implicitly.
     potential
-        Potential energy of ``force`` as a function of q [J]; without it all of ``force`` counts as work of loads.
+        Potential energy of ``force`` as a function of q [J]; without it all of ``force``, and what changes of M do,
+        u^T (dM/dt) u / 2, counts as work of loads.
     constraints, jacobian
         phi(t, q) -> (r,) and J(t, q) -> (r, n) of bilateral joints.
     constraint_rate, constraint_bias
@@ -295,6 +296,17 @@ class Functions:
     def mass(self, q: FloatArray) -> FloatArray:
         """M (n, n)."""
         return self._of("mass", (self.n, self.n), q)
+
+    @property
+    def books_inertia(self) -> bool:
+        """Whether M is a function of q and ``force`` has no known potential: u^T (dM/dt) u / 2 is part of its work."""
+        return callable(self._given.mass) and not self.has_potential
+
+    def mass_rate(self, q: FloatArray, u: FloatArray) -> FloatArray:
+        """dM/dt (n, n) along the motion, by central differences."""
+        e = _difference_step(q, u)
+        moved = self.kinematics.moved
+        return np.asarray((self.mass(moved(q, u, e)) - self.mass(moved(q, u, -e))) / (2.0 * e))
 
     def force(self, t: float, q: FloatArray, u: FloatArray) -> FloatArray:
         """h (n,)."""

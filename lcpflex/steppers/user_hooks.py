@@ -1,23 +1,77 @@
-"""What steppers ask of a user's own system beside its mechanics, where velocities are not the rates of q."""
+"""What steppers ask of a user's own system beside its mechanics.
+
+Where velocities are not the rates of q: how they turn on, and what errors are as velocities. Where M depends on q and
+``force`` has no known potential: the work of that,
+
+    d/dt (u^T M u / 2) = u^T h + u^T (dM/dt) u / 2,
+
+for h holds what balances it, as the centrifugal force of a radius that changes. Methods that integrate the work, or
+take it at both ends of a step, see dM/dt u / 2 as one more driving force. Those of one force a step, at the middle q_m,
+conserve u^T M(q_m) u / 2 but for the work of h: theirs is u+^T (M+ - M_m) u+ / 2 + u^T (M_m - M) u / 2.
+"""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
 from lcpflex.dynamics import mechanics
 from lcpflex.dynamics.user_mechanics import Mechanics
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.jit.dispatch import Hooks, Kernel
+from lcpflex.jit.dispatch import Hooks, Kernel, link
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Model
 from lcpflex.steppers import runge_kutta
 from lcpflex.steppers.moreau_jean import step
+from lcpflex.steppers.recorder import Recorder
+from lcpflex.steppers.smooth import explicit
+from lcpflex.steppers.smooth.memory import WORK
 
 __all__ = ["hooks_of_steps"]
 
 
 def hooks_of_steps(system: Mechanics, known: Hooks) -> Hooks:
-    """Replacements beside the ``known`` ones of its mechanics; none where qdot = u and contacts are planar."""
+    """Replacements beside the ``known`` ones of its mechanics; none for the plainest, where qdot = u."""
+    moving = _moving_hooks(system, known)
+    return {**moving, **_inertia_hooks(system, {**known, **moving})} if system.books_inertia else moving
+
+
+def _inertia_hooks(system: Mechanics, known: Hooks) -> Hooks:
+    """Replacements that book the power u^T (dM/dt) u / 2."""
+    forces, audit, kick_again = known[mechanics.forces], link(step.audit, known), link(explicit.kick_again, known)
+    moved = system.kinematics.moved
+    pull = np.zeros(system.n)  # dM/dt u / 2 where forces were taken last
+
+    def forces_and_pull(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> None:
+        forces(model, t, q, u, work)
+        pull[:] = 0.5 * system.mass_rate(q, u) @ u
+        work.driving += pull  # which counts for energies alone: work.total is what moves
+
+    def over_step(h: float, places: tuple[FloatArray, ...], u: FloatArray, end: FloatArray) -> float:
+        # what changes of M over a step did, less what the audit has taken of ``pull``
+        before, middle, after = (system.mass(q) for q in places)
+        done = 0.5 * (end @ (after - middle) @ end + u @ (middle - before) @ u)
+        return float(done - 0.5 * h * pull @ (u + end))
+
+    def audit_step(model: Model, scheme: Any, t: float, work: Workspace, recorder: Recorder) -> None:
+        audit(model, scheme, t, work, recorder)
+        h, u, end = scheme.step, scheme.u, work.free_u
+        after = moved(scheme.q, scheme.theta * end + (1.0 - scheme.theta) * u, h)
+        recorder.counts.supplied += over_step(h, (scheme.q, work.middle, after), u, end)
+
+    def kick(model: Model, h: float, work: Workspace, memory: Any) -> None:
+        kick_again(model, h, work, memory)
+        nq, base = memory.nq, memory.nq + system.n
+        middle, u, end = memory.end[:nq], memory.y[nq:base], memory.end[nq:base]
+        places = memory.y[:nq], middle, moved(middle, end, 0.5 * h)
+        memory.end[base + WORK] += over_step(h, places, u, end)
+
+    return {mechanics.forces: forces_and_pull, step.audit: audit_step, explicit.kick_again: kick}
+
+
+def _moving_hooks(system: Mechanics, known: Hooks) -> Hooks:
+    """Replacements for what moves configurations and bodies; none where qdot = u and contacts are planar."""
     if not system.kinematics.own:
         return _without_bodies(system) if system.has_cones else {}
     forces = known[mechanics.forces]
