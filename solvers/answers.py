@@ -19,7 +19,7 @@ __all__ = ["Answer", "asked"]
 _COUNTS = ("iterations", "num_iter", "nit")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Answer:
     """A point z (n,) that is not judged yet; or None, and in words why.
 

@@ -254,7 +254,7 @@ class Auto:
         tangent, normals = problem.tangent, len(problem.friction)
         found = Lemke(self.tolerance).solve(problem.copositive_lcp())
         z = np.zeros(lcp.size)
-        from_copositive(found.z, *lcp.data, problem.data[2], tangent, normals, len(tangent), z)
+        from_copositive(found.z, *lcp._data, problem._data[2], tangent, normals, len(tangent), z)
         return accept(
             lcp,
             z,
@@ -284,7 +284,7 @@ class Auto:
         )
 
     def _infeasible(self, problem: Lcp) -> Solution:
-        u = candidate(*problem.data)
+        u = candidate(*problem._data)
         return accept(problem, np.zeros(problem.size), tolerance=self.tolerance, route=PROGRAM, certificate=u)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics.arguments import FLOAT, flag, point_of
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.arrays import as_array, check_finite, finite_array, nothing
@@ -49,7 +49,7 @@ NEARLY = (
 ROUNDED = "numerical failure: {} has no solution, but its rounding may be the reason"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Lcp:
     """The problem 0 <= z _|_ M z + q >= 0.
 
@@ -63,7 +63,7 @@ class Lcp:
     q: FloatArray
     factor: FloatArray | None = None
     # What M and q show read-only: kernels would be compiled a second time for read-only arrays.
-    data: tuple[FloatArray, FloatArray] = field(init=False, repr=False, compare=False)
+    _data: tuple[FloatArray, FloatArray] = field(init=False, repr=False, compare=False)
     _symmetric: list[bool] = field(default_factory=list, init=False, repr=False, compare=False)  # once it is known
     _units: list[Any] = field(default_factory=list, init=False, repr=False, compare=False)  # once they are known
 
@@ -82,7 +82,7 @@ class Lcp:
         q_view.flags.writeable = False
         object.__setattr__(self, "M", M_view)
         object.__setattr__(self, "q", q_view)
-        object.__setattr__(self, "data", (M, q))
+        object.__setattr__(self, "_data", (M, q))
 
     @property
     def size(self) -> int:
@@ -93,18 +93,35 @@ class Lcp:
     def symmetric(self) -> bool:
         """Whether M equals its transpose to rounding; looked at when first asked."""
         if not self._symmetric:
-            self._symmetric.append(self.factor is not None or bool(is_symmetric(self.data[0], self.size)))
+            self._symmetric.append(self.factor is not None or bool(is_symmetric(self._data[0], self.size)))
         return self._symmetric[0]
 
-    def measured_in(self, units: FloatArray) -> Lcp:
-        """This problem, whose unknowns are to be measured in these units (n,): see :meth:`balanced`. Set once."""
-        self._units[:] = [np.ascontiguousarray(units), "given"]
-        return self
+    @property
+    def data(self) -> tuple[FloatArray, FloatArray]:
+        """M and q, read-only."""
+        return self.M, self.q
+
+    def measured_in(self, units: npt.ArrayLike) -> Lcp:
+        """The same problem, whose unknowns are to be measured in these units (n,): see :meth:`balanced`.
+
+        This one stays as it is; they share their numbers. Raises ModelError for units that are not positive.
+        """
+        d = point_of("units", units, self.size)
+        if not (d > 0.0).all() or np.isinf(d).any():
+            raise ModelError(f"units is {shown(d)}: expected ({self.size},) positive numbers")
+        return self._measured([np.array(d), "given"])
 
     def measured_alike(self) -> Lcp:
-        """This problem, whose unknowns are known to be alike as they are. Set once."""
-        self._units[:] = [None, None, False]
-        return self
+        """The same problem, whose unknowns are known to be alike as they are; this one stays as it is."""
+        return self._measured([None, None, False])
+
+    def _measured(self, units: list[Any]) -> Lcp:
+        """A problem of the same numbers with these ``_units``; they are not looked at."""
+        made = object.__new__(type(self))
+        for name in ("M", "q", "factor", "_data", "_symmetric"):
+            object.__setattr__(made, name, getattr(self, name))
+        object.__setattr__(made, "_units", units)
+        return made
 
     def balanced(self) -> tuple[Lcp, Units | None]:
         """The problem in units in which its unknowns are alike, and those: z / d, d M d, d q.
@@ -114,7 +131,7 @@ class Lcp:
         """
         if not self._units:
             d = np.empty(self.size)
-            self._units[:] = [d if lcp_units(self.data[0], self.size, d) else None, "guessed"]
+            self._units[:] = [d if lcp_units(self._data[0], self.size, d) else None, "guessed"]
         if isinstance(self._units[-1], str):
             self._units[:] = [*self._in_units(self._units[0]), self._units[1] == "guessed" and not self.symmetric]
         scaled, units, _ = self._units
@@ -134,9 +151,9 @@ class Lcp:
             z = point_of("z", z, self.size)
         w = np.empty(self.size)
         alike, units = self.balanced()
-        residual, strict = weigh(*alike.data, z if units is None else units.inward(z), self.size, w)
+        residual, strict = weigh(*alike._data, z if units is None else units.inward(z), self.size, w)
         if units is not None:
-            raw = weigh(*self.data, z, self.size, w)
+            raw = weigh(*self._data, z, self.size, w)
             if self._units[2]:
                 residual, strict = max(residual, raw[0]), max(strict, raw[1])
         if GUARD < residual < np.inf and (exact := residual_in_fractions(self, z)) is not None:
@@ -146,20 +163,19 @@ class Lcp:
     def measures(self) -> list[tuple[FloatArray, FloatArray, Units | None]]:
         """M and q as residuals are taken in them, with their units: once, or twice where units were guessed."""
         alike, units = self.balanced()
-        own = [(*self.data, None)] if units is not None and self._units[2] else []
-        return [(*alike.data, units), *own]
+        own = [(*self._data, None)] if units is not None and self._units[2] else []
+        return [(*alike._data, units), *own]
 
     def _in_units(self, d: FloatArray | None) -> tuple[Lcp | None, Units | None]:
         """The problem in units d; None where those are one, or it overflows."""
         if d is None:
             return None, None
-        units = Units.of(d, self.data[1])
+        units = Units.of(d, self._data[1])
         M, q = np.empty((self.size, self.size)), np.empty(self.size)
-        in_units(*self.data, *units, self.size, M, q)
+        in_units(*self._data, *units, self.size, M, q)
         if not all_finite(M, q):
             return None, None
-        scaled = Lcp(M, q, None if self.factor is None else self.factor * d[:, None])
-        scaled.measured_alike()
+        scaled = Lcp(M, q, None if self.factor is None else self.factor * d[:, None]).measured_alike()
         scaled._symmetric[:] = self._symmetric
         return scaled, units
 
@@ -204,7 +220,7 @@ class Lcp:
         """
         point = point_of("z", z, self.size)
         if not flag("scaled", scaled):
-            return float(residual_parts(*self.data, point, self.size)[0])
+            return float(residual_parts(*self._data, point, self.size)[0])
         return self.residuals(point)[0]
 
 
@@ -242,7 +258,7 @@ def accept(
         if solutions and _differ(problem, solutions, tolerance):
             judged = Status.NOT_UNIQUE
     else:
-        near = certificate is not None and type(problem) is Lcp and nearly_infeasible(*problem.data, certificate)
+        near = certificate is not None and type(problem) is Lcp and nearly_infeasible(*problem._data, certificate)
         if proof is None and near:
             proof = infeasibility(problem, certificate)
         judged = _why_not(problem, residual, tolerance, status, proof)

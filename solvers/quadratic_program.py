@@ -223,7 +223,7 @@ class _Scaled:
         """Whether the direction (n,), scaled, is worth a look in fractions."""
         u = self.scale * ray
         if isinstance(self.problem, Lcp):
-            return nearly_infeasible(*self.problem.data, u)
+            return nearly_infeasible(*self.problem._data, u)
         length = float(np.abs(ray).max())
         pushes = float(np.abs(self.program.M @ ray).max())
         return bool(0.0 < length < np.inf and pushes <= NEAR * length and self.problem.q @ u < 0.0)

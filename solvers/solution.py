@@ -29,7 +29,7 @@ class Problem(Protocol):
     def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float: ...
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Solution:
     """What a solver found: the point, and how far it can be trusted.
 

@@ -14,7 +14,7 @@ from lcpflex.solvers.problem import Lcp, Status
 __all__ = ["Example", "planted"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Example:
     """A problem whose answer is known, at least in part.
 

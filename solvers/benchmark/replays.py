@@ -63,7 +63,7 @@ class ReplayRow:
         return (self.solver, *map(str, counts), one.number(self.residual, ".1e"), *sums, remark)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Replay:
     """The rows of all solvers over many problems.
 

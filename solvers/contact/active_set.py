@@ -76,7 +76,7 @@ def on_active_set(problem: ContactProblem, states: IntArray, forces: FloatArray,
         return np.zeros(len(forces))
     free, diagonal = problem.free[unknown], np.asarray(problem.diagonal)[unknown]
     weight = least * np.where(diagonal > 0.0, diagonal, 1.0)  # a contact of two fixed bodies has no equation at all
-    delassus, _, _, factor = problem.data
+    delassus, _, _, factor = problem._data
     if delassus is not None:
         matrix = libs.sparse.csr_array(delassus)[unknown] @ spread
         x = _regularised(matrix, weight, free, x, lambda x: matrix @ x)

@@ -55,9 +55,9 @@ class _Iteration:
         dense = isinstance(problem.delassus, np.ndarray)
         self.lcp = problem.lcp() if lcp is None and dense and problem.size <= PIVOTING else lcp
         self.blocks = problem.coupling if problem.delassus is not None and self.lcp is None else None
-        self.dense: Any = problem.data[0] if problem.delassus is not None and self.blocks is None else None
+        self.dense: Any = problem._data[0] if problem.delassus is not None and self.blocks is None else None
         if lcp is not None:  # without friction: its matrix is the operator, and dense whatever its size
-            self.dense = lcp.data[0]
+            self.dense = lcp._data[0]
         self.judge: Lcp | ContactProblem = problem if self.lcp is None else self.lcp
         start = None if guess is None else aligned(guess, problem.unknown_keys)
         if start is not None and start.z.shape == (problem.size,):
@@ -74,7 +74,7 @@ class _Iteration:
     def sweep(self, sweeps: int, target: float) -> tuple[int, float]:
         """Up to so many sweeps; how many were made, and the largest change of a velocity in the last one."""
         problem = self.problem
-        common = (*problem.data[1:3], self.tangent_of)
+        common = (*problem._data[1:3], self.tangent_of)
         if self.dense is not None:
             return sweep_delassus(self.dense, *common, self.forces, self.states, sweeps, target)
         if self.blocks is not None:
@@ -173,13 +173,13 @@ class BlockGaussSeidel:
     def _compiled(self, run: _Iteration, lcp: Lcp) -> Solution:
         problem, n = run.problem, lcp.size
         z, (table, basis) = np.empty(n), lemke_workspace(n)
-        free, friction = problem.data[1:3]
+        free, friction = problem._data[1:3]
         work, start = np.empty(n), (run.forces.copy(), run.states.copy())
 
         def swept(most: int) -> tuple[int, int, int]:
             run.forces[:], run.states[:] = start
             return block_gauss_seidel(
-                run.dense, free, friction, run.tangent_of, *lcp.data, run.forces, run.states,
+                run.dense, free, friction, run.tangent_of, *lcp._data, run.forces, run.states,
                 z, work, table, basis, self.tolerance, most,
             )  # fmt: skip
 

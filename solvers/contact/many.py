@@ -182,7 +182,7 @@ class Search:
         """Whether the operator is, as the relaxation needs it."""
         if self.problem.delassus is None:
             return True
-        matrix = libs.sparse.csr_array(self.problem.balanced().data[0])
+        matrix = libs.sparse.csr_array(self.problem.balanced()._data[0])
         largest = abs(matrix).max() if matrix.nnz else 0.0
         return bool(abs(matrix - matrix.T).max() <= SYMMETRY * largest)
 
@@ -223,13 +223,13 @@ class Search:
     def _sweep_bodies(self, sweeps: int) -> None:
         """The same through the factor, where nearly all contacts touch one body."""
         alike = self.problem.balanced()
-        J = libs.sparse.csr_array(alike.data[3])
+        J = libs.sparse.csr_array(alike._data[3])
         tangent_of = tangents(alike.friction)
         rows = (J.indptr.astype(np.int64), J.indices.astype(np.int64), J.data, own_blocks(J, tangent_of))
         u, made = np.asarray(J.T @ self.forces), 0
         self._keep(self.forces)
         while made < sweeps and not self.done and not out_of_time():
-            _, free, friction, _ = alike.data
+            _, free, friction, _ = alike._data
             count, change = sweep_factor(*rows, free, friction, tangent_of, u, self.forces, self.states, LOOK, 0.0)
             made += count
             self.sweeps += count

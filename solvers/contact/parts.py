@@ -48,7 +48,7 @@ def part_of(problem: ContactProblem, contacts: IntArray) -> ContactProblem:
     """
     tangent = np.searchsorted(problem.tangent, contacts[problem.friction[contacts] > 0.0])
     rows = np.concatenate([contacts, len(problem.friction) + tangent])
-    delassus, factor = of_rows(problem.data[0], problem.data[3], rows)
+    delassus, factor = of_rows(problem._data[0], problem._data[3], rows)
     keys = tuple(problem.keys[i] for i in contacts)
     return ContactProblem(delassus, problem.free[rows], problem.friction[contacts], keys, factor)
 

@@ -36,7 +36,7 @@ def posed_lcp(data: ContactData, memory: SolverMemory) -> Lcp:
 
 def _lcp(memory: SolverMemory) -> Lcp:
     m = memory.size
-    return Lcp(memory.M[:m, :m], memory.q[:m]).measured_in(memory.units[:m].copy())
+    return Lcp(memory.M[:m, :m], memory.q[:m])._measured([memory.units[:m].copy(), "given"])
 
 
 @in_space("lcpflex.solvers.contact.cones.posed")

@@ -55,7 +55,7 @@ KEPT = 300  # unknowns up to which the LCP is made only once, 1.5 MB
 BLOCK = 256  # rows of the Delassus operator that exist at a time where only its factor is known
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ContactProblem:
     """Planar Coulomb contact: contact velocities (or accelerations) are ``G @ forces + free``.
 
@@ -90,7 +90,7 @@ class ContactProblem:
     keys: tuple[Hashable, ...] = ()
     factor: Any = None
     # What the arrays above show read-only: kernels would be compiled a second time for read-only arrays.
-    data: tuple[Any, FloatArray, FloatArray, Any] = field(init=False, repr=False, compare=False)
+    _data: tuple[Any, FloatArray, FloatArray, Any] = field(init=False, repr=False, compare=False)
     _kept: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)  # once asked for
 
     def __post_init__(self) -> None:
@@ -109,10 +109,15 @@ class ContactProblem:
                 f"{m - n_normal} of them with friction"
             )
         keys = keys_of(self.keys, n_normal)
-        object.__setattr__(self, "data", (delassus, free, friction, factor))
-        for name, value in zip(("delassus", "free", "friction", "factor"), self.data, strict=True):
+        object.__setattr__(self, "_data", (delassus, free, friction, factor))
+        for name, value in zip(("delassus", "free", "friction", "factor"), self._data, strict=True):
             object.__setattr__(self, name, shown_only(value))
         object.__setattr__(self, "keys", keys)
+
+    @property
+    def data(self) -> tuple[Any, FloatArray, FloatArray, Any]:
+        """delassus, free, friction and factor, read-only."""
+        return self.delassus, self.free, self.friction, self.factor
 
     @property
     def tangent(self) -> IntArray:
@@ -167,7 +172,7 @@ class ContactProblem:
         if "balanced" in self._kept:
             return self._kept["balanced"]  # type: ignore[no-any-return]
         d, load = self.row_units, self.unknown_units.load
-        delassus, factor = in_units_of(self.data[0], self.data[3], d)
+        delassus, factor = in_units_of(self._data[0], self._data[3], d)
         alike = ContactProblem(delassus, self.free / load * d, self.friction, self.keys, factor)
         alike._kept["units"] = np.ones(len(self.friction))
         if self._kept.get("coupling") is not None:
@@ -182,13 +187,13 @@ class ContactProblem:
         if "coupling" not in self._kept:
             matrix, units = self.sparse_delassus(), self.units
             free = self.free / self.unknown_units.load * self.row_units
-            self._kept["coupling"] = None if matrix is None else coupling_of(matrix, free, self.data[2], units)
+            self._kept["coupling"] = None if matrix is None else coupling_of(matrix, free, self._data[2], units)
         return self._kept["coupling"]  # type: ignore[no-any-return]
 
     def sparse_delassus(self) -> Any:
         """The Delassus operator, multiplied out sparsely if only its factor is known; None if that has many entries."""
         if self.delassus is not None:
-            return self.data[0]
+            return self._data[0]
         factor = libs.sparse.csr_array(self.factor)
         touched = np.bincount(factor.indices, minlength=factor.shape[1]).astype(float)
         return factor @ factor.T if (touched**2).sum() <= 4 * MOST_BLOCKS else None
@@ -228,10 +233,10 @@ class ContactProblem:
         tangent, normals, n = self.tangent, len(self.friction), self.size
         check_dense("the LCP of the contacts", n)
         M, q = np.zeros((n, n)), np.zeros(n)
-        delassus = self.data[0] if isinstance(self.delassus, np.ndarray) else self.dense()
-        assemble_friction_lcp(delassus, *self.data[1:3], tangent, normals, len(tangent), M, q)
+        delassus = self._data[0] if isinstance(self.delassus, np.ndarray) else self.dense()
+        assemble_friction_lcp(delassus, *self._data[1:3], tangent, normals, len(tangent), M, q)
         factor = None if len(tangent) or self.factor is None else as_dense(self.factor)
-        lcp = Lcp(M, q, factor).measured_in(self.unknown_units.d)
+        lcp = Lcp(M, q, factor)._measured([self.unknown_units.d, "given"])
         if n <= KEPT:
             self._kept["lcp"] = lcp
         return lcp
@@ -271,18 +276,18 @@ class ContactProblem:
         tangent, normals = self.tangent, len(self.friction)
         n = normals + 3 * len(tangent)
         check_dense("the copositive LCP of the contacts", n)
-        M, q = self.lcp().data
+        M, q = self.lcp()._data
         M4, q4 = np.zeros((n, n)), np.zeros(n)
-        assemble_copositive_lcp(M, q, self.data[2], tangent, normals, len(tangent), M4, q4)
+        assemble_copositive_lcp(M, q, self._data[2], tangent, normals, len(tangent), M4, q4)
         forces, slip = np.split(self.unknown_units.d, [len(self.free)])
-        return Lcp(M4, q4).measured_in(np.concatenate([forces, forces[normals:], slip]))
+        return Lcp(M4, q4)._measured([np.concatenate([forces, forces[normals:], slip]), "given"])
 
     def forces(self, z: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
         """(lambda_N (n_N,), lambda_T (n_H,)) of a solution z (n,) of :meth:`lcp`."""
         tangent, normals = self.tangent, len(self.friction)
         point = self._point(z)
         out = np.zeros(normals), np.zeros(len(tangent))
-        split_friction_solution(point, self.data[2], tangent, normals, len(tangent), *out)
+        split_friction_solution(point, self._data[2], tangent, normals, len(tangent), *out)
         return out
 
     def unknowns(self, lambda_normal: npt.ArrayLike, lambda_tangent: npt.ArrayLike) -> FloatArray:

@@ -62,9 +62,9 @@ class _InBodies:
     """Velocities u (k,) of the bodies, by the factor J."""
 
     def __init__(self, problem: ContactProblem) -> None:
-        self.J = libs.sparse.csr_array(problem.data[3])
+        self.J = libs.sparse.csr_array(problem._data[3])
         self.JT = libs.sparse.csr_array(self.J.T)
-        self.free = problem.data[1]
+        self.free = problem._data[1]
 
     def of_forces(self, p: FloatArray) -> FloatArray:
         return np.asarray(self.JT @ p)
@@ -90,8 +90,8 @@ class _InForces:
     """Forces x (m,) with u = J^T x, where W alone is known."""
 
     def __init__(self, problem: ContactProblem) -> None:
-        self.W = libs.sparse.csr_array(problem.data[0])
-        self.free = problem.data[1]
+        self.W = libs.sparse.csr_array(problem._data[0])
+        self.free = problem._data[1]
 
     def of_forces(self, p: FloatArray) -> FloatArray:
         return p.copy()

@@ -28,7 +28,7 @@ __all__ = ["ConvexContactProblem"]
 PRESSED = 1e-8  # lambda_N, relative to the largest, beyond which a contact counts as pressed
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ConvexContactProblem:
     """The relaxed law K ∋ lambda _|_ G lambda + free ∈ K* for the contacts of a :class:`ContactProblem`.
 

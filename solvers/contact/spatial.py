@@ -80,7 +80,7 @@ class SpatialContactProblem:
     factor: Any = None
     cones: ClassVar[bool] = True  # no LCP
     # What the arrays above show read-only: kernels would be compiled a second time for read-only arrays.
-    data: tuple[Any, FloatArray, FloatArray, Any] = field(init=False, repr=False)
+    _data: tuple[Any, FloatArray, FloatArray, Any] = field(init=False, repr=False)
     _kept: dict[str, Any] = field(default_factory=dict, init=False, repr=False)  # once asked for
 
     def __post_init__(self) -> None:
@@ -96,18 +96,15 @@ class SpatialContactProblem:
             given = f"factor has shape {factor.shape}" if delassus is None else f"delassus has shape {shape}"
             raise ModelError(f"{given} and free {free.shape}: expected {m} rows, three for each of {contacts} contacts")
         keys = keys_of(self.keys, contacts)
-        object.__setattr__(self, "data", (delassus, free, friction, factor))
-        for name, value in zip(("delassus", "free", "friction", "factor"), self.data, strict=True):
+        object.__setattr__(self, "_data", (delassus, free, friction, factor))
+        for name, value in zip(("delassus", "free", "friction", "factor"), self._data, strict=True):
             object.__setattr__(self, name, shown_only(value))
         object.__setattr__(self, "keys", keys)
 
-    def __eq__(self, other: object) -> bool:
-        """Whether the other problem has the same numbers, stored alike, and the same names."""
-        if not isinstance(other, SpatialContactProblem):
-            return NotImplemented
-        return self.keys == other.keys and all(_alike(a, b) for a, b in zip(self.data, other.data, strict=True))
-
-    __hash__ = None  # type: ignore[assignment]
+    @property
+    def data(self) -> tuple[Any, FloatArray, FloatArray, Any]:
+        """delassus, free, friction and factor, read-only."""
+        return self.delassus, self.free, self.friction, self.factor
 
     @property
     def size(self) -> int:
@@ -162,7 +159,7 @@ class SpatialContactProblem:
         if "balanced" not in self._kept:
             units = self.unknown_units
             d, load = units
-            delassus, factor = in_units_of(self.data[0], self.data[3], d)
+            delassus, factor = in_units_of(self._data[0], self._data[3], d)
             alike = SpatialContactProblem(delassus, self.free / load * d, self.friction, self.keys, factor)
             alike._kept["units"] = np.ones(len(self.friction))
             self._kept["balanced"] = alike
@@ -171,9 +168,9 @@ class SpatialContactProblem:
     def matrix(self) -> Any:
         """The Delassus operator, multiplied out if only its factor is known; None if that has too many entries."""
         if self.delassus is not None:
-            return self.data[0]
+            return self._data[0]
         if "matrix" not in self._kept:
-            self._kept["matrix"] = _product(self.data[3])
+            self._kept["matrix"] = _product(self._data[3])
         return self._kept["matrix"]
 
     def dense(self) -> FloatArray:
@@ -201,7 +198,7 @@ class SpatialContactProblem:
     def velocity(self, forces: npt.ArrayLike) -> FloatArray:
         """G @ forces + free (3 k,) for forces (3 k,)."""
         x = self._point("forces", forces)
-        product = self.data[0] @ x if self.delassus is not None else self.data[3] @ (self.data[3].T @ x)
+        product = self._data[0] @ x if self.delassus is not None else self._data[3] @ (self._data[3].T @ x)
         return np.asarray(product + self.free)
 
     def slack(self, z: npt.ArrayLike) -> FloatArray:
@@ -227,7 +224,7 @@ class SpatialContactProblem:
     def judged(self, z: FloatArray) -> tuple[FloatArray, float, float]:
         """The velocities under the forces z (3 k,), and their residual in the two sizes of a :class:`Solution`."""
         point, units = self._point("z", z), self.units
-        delassus, free, friction, _ = self.data
+        delassus, free, friction, _ = self._data
         if isinstance(delassus, np.ndarray):
             w, terms = np.empty(self.size), np.empty(self.size)
             residual, strict = weigh_cones(delassus, free, friction, units, point, len(friction), w, terms)
@@ -247,7 +244,7 @@ class SpatialContactProblem:
             size, terms = np.abs(z), np.abs(self.free)
             for rows, block in self.row_blocks():
                 terms[rows] += abs(block) @ size
-            parts = cone_parts(z, w, terms, *self.data[1:3], self.units, len(self.friction))
+            parts = cone_parts(z, w, terms, *self._data[1:3], self.units, len(self.friction))
         return float(parts[0]), float(parts[1]), float(parts[2])
 
     def lcp(self) -> Lcp:
@@ -275,12 +272,3 @@ def _product(factor: Any) -> Any:
         return factor @ factor.T if len(factor) ** 2 <= MOST_ENTRIES else None
     touched = np.bincount(factor.indices, minlength=factor.shape[1]).astype(float)
     return libs.sparse.csr_array(factor @ factor.T) if (touched**2).sum() <= MOST_ENTRIES else None
-
-
-def _alike(a: Any, b: Any) -> bool:
-    """Whether two matrices, dense or sparse, or two vectors have the same numbers; None equals None."""
-    if a is None or b is None:
-        return a is b
-    if is_sparse(a) != is_sparse(b) or a.shape != b.shape:
-        return False
-    return bool((a != b).nnz == 0) if is_sparse(a) else bool(np.array_equal(a, b))

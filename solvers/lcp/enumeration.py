@@ -189,7 +189,7 @@ class Enumeration:
         found, codes = np.zeros((KEPT, n)), np.zeros(KEPT, dtype=np.int64)
         singular = np.zeros(1 << n, dtype=np.int64)
         table, order = enumeration_workspace(n)
-        kept, undecided = enumerate_active_sets(*problem.data, n, self.tolerance, found, codes, singular, table, order)
+        kept, undecided = enumerate_active_sets(*problem._data, n, self.tolerance, found, codes, singular, table, order)
         points = [z.copy() for z in found[:kept]]
         programs = min(undecided, PROGRAMS)
         for code in singular[:programs].tolist():
@@ -244,7 +244,7 @@ def _same(z: FloatArray, other: FloatArray) -> bool:
 
 def _on_singular_block(problem: Lcp, code: int, tolerance: float) -> list[FloatArray]:
     """Up to two solutions with z = 0 off the set ``code``, those with the least and with the largest sum of z."""
-    M, q = problem.data
+    M, q = problem._data
     n = len(q)
     on = ((code >> np.arange(n)) & 1).astype(bool)
     row = np.maximum(np.abs(M).max(axis=1), np.abs(q))

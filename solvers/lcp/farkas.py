@@ -28,7 +28,7 @@ def proof_by_program(problem: Lcp) -> Proof | None:
     """The proof that no z >= 0 has w >= 0; None if there is none, or none was found."""
     if not problem.size or (problem.q >= 0.0).all():
         return None
-    u = candidate(*problem.data)
+    u = candidate(*problem._data)
     return None if u is None else infeasibility(problem, u)
 
 

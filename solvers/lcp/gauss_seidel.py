@@ -160,7 +160,7 @@ class GaussSeidel:
         def swept(most: int) -> tuple[int, int, bool]:
             z[:] = start
             return projected_gauss_seidel(
-                *problem.data, n, z, self.relaxation, self.tolerance, most, point, table, basis
+                *problem._data, n, z, self.relaxation, self.tolerance, most, point, table, basis
             )
 
         (code, sweeps, pivoted), cut = grown(swept, self.sweep_limit, n, lambda found: found[0] == ITERATION_LIMIT)

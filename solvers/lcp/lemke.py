@@ -358,7 +358,7 @@ class Lemke:
         if not isinstance(problem, Lcp) or problem.balanced()[1] is not None:
             return posed(problem).solve_by(self, guess)
         n = problem.size
-        M, q = problem.data
+        M, q = problem._data
         table, basis = lemke_workspace(n)
         route = "lemke"
         if guess is not None and guess.active is not None and guess.active.shape == (n,):

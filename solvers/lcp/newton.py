@@ -225,7 +225,7 @@ class MinMapNewton:
 
         def iterated(most: int) -> tuple[int, int]:
             z[:] = start
-            return min_map_newton(*problem.data, n, z, warm, self.tolerance, most, vectors, table, basis)
+            return min_map_newton(*problem._data, n, z, warm, self.tolerance, most, vectors, table, basis)
 
         (code, count), cut = grown(iterated, limit, n, lambda found: found[0] == ITERATION_LIMIT)
         status = Status.TIME_LIMIT if cut else Status(code)

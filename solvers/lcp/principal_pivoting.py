@@ -360,7 +360,7 @@ class PrincipalPivoting:
         if not problem.symmetric:
             raise ModelError(self.refuses(problem))
         n = problem.size
-        M, q = problem.data
+        M, q = problem._data
         z = np.zeros(n)
         factor, basis = principal_pivoting_workspace(n)
         warm = False

@@ -71,7 +71,7 @@ class _Reduction(NamedTuple):
         return np.concatenate(parts)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class BoxedLcp:
     """The problem lower <= z <= upper with w = M z + q complementary to the bounds.
 
@@ -84,7 +84,7 @@ class BoxedLcp:
     lower: FloatArray
     upper: FloatArray
     # What the four show read-only: kernels would be compiled a second time for read-only arrays.
-    data: tuple[FloatArray, FloatArray, FloatArray, FloatArray] = field(init=False, repr=False, compare=False)
+    _data: tuple[FloatArray, FloatArray, FloatArray, FloatArray] = field(init=False, repr=False, compare=False)
     # How many unknowns have a bound, and two; whether all are alike as they are.
     _bounds: tuple[int, int, int] = field(init=False, repr=False, compare=False)
     _reduction: list[_Reduction] = field(default_factory=list, init=False, repr=False, compare=False)  # once made
@@ -100,11 +100,16 @@ class BoxedLcp:
         if bounds[0] < 0:
             _refuse(*data)
         object.__setattr__(self, "_bounds", bounds)
-        object.__setattr__(self, "data", data)
+        object.__setattr__(self, "_data", data)
         for name, value in zip(("M", "q", "lower", "upper"), data, strict=True):
             view = value.view()
             view.flags.writeable = False
             object.__setattr__(self, name, view)
+
+    @property
+    def data(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """M, q, lower and upper, read-only."""
+        return self.M, self.q, self.lower, self.upper
 
     @property
     def size(self) -> int:
@@ -128,14 +133,14 @@ class BoxedLcp:
         point = point_of("z", z, self.size)
         if flag("scaled", scaled):
             return float(self.judged(point)[1])
-        return float(box_parts(*self.data, point, np.empty(self.size))[0])
+        return float(box_parts(*self._data, point, np.empty(self.size))[0])
 
     def judged(self, point: FloatArray) -> tuple[FloatArray, float, float]:
         """w of a point (n,), and its residual in the two sizes of a :class:`Solution`."""
         w = np.empty(len(point))
         if w.shape != self.q.shape:
             raise ModelError(f"z has shape {point.shape}: expected {self.q.shape}")
-        worst, size, load = box_parts(*self.data, point, w)
+        worst, size, load = box_parts(*self._data, point, w)
         if not self._bounds[2]:
             return w, *self._measured().residuals(point)
         return w, guarded_residual(worst, size, load), strict_residual(worst, load)
@@ -167,7 +172,7 @@ class BoxedLcp:
 
     def _measured(self) -> BoxMeasure:
         if not self._measure:
-            self._measure.append(BoxMeasure.of(self.data, bool(self._bounds[2])))
+            self._measure.append(BoxMeasure.of(self._data, bool(self._bounds[2])))
         return self._measure[0]
 
     def exact_system(self) -> ExactSystem:
@@ -175,7 +180,7 @@ class BoxedLcp:
         return boxed_rows(self.M, self.q, self.lower, self.upper)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class MixedLcp:
     """The problem w = M z + q with w_i = 0 for free unknowns and 0 <= z_i _|_ w_i >= 0 for the others.
 
@@ -287,7 +292,7 @@ def _reduce(problem: BoxedLcp) -> _Reduction:
     f, k = n - b, b + extra
     frame, (kind, order) = np.empty((2, n)), np.empty((2, n), dtype=np.int64)
     gain, M, q, work = np.empty((f, b + 1)), np.empty((k, k)), np.empty(k), np.empty((n + 2 * f + 2, n + 1))
-    made = reduce_box(*problem.data, frame, kind, order, gain, M, q, work)
+    made = reduce_box(*problem._data, frame, kind, order, gain, M, q, work)
     if made:
         lcp = Lcp(M, q)
         return _Reduction(lcp.measured_alike() if made == 2 else lcp, frame, kind, gain)
@@ -344,7 +349,7 @@ def _solve_reduced(problem: BoxedLcp, reduction: _Reduction, solver: LcpSolver, 
     judged = brought_back(problem, found, reduction.recover, tolerance, message=message)
     if not judged.solved and found.status in PROVED:
         judged = confirmed(problem, replace(judged, status=found.status, certificate=found.certificate))
-    good = judged.strict <= tolerance and on_bounds(*problem.data[1:], judged.z, judged.w)
+    good = judged.strict <= tolerance and on_bounds(*problem._data[1:], judged.z, judged.w)
     if good or judged.status in PROVED or reduction.contradiction > OUTSIDE:
         return judged
     judged = _polished(problem, judged, tolerance)

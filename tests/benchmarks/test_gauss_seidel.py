@@ -49,7 +49,7 @@ def _ours(problem: ContactProblem, tolerance: float) -> Callable[[], object]:
     n, tangent_of = lcp.size, contacts + np.arange(contacts)
     forces, states = np.zeros(2 * contacts), np.zeros(contacts, dtype=np.int64)
     z, point, (table, basis) = np.zeros(n), np.zeros(n), lemke_workspace(n)
-    data = (*problem.data[:3], tangent_of, *lcp.data)
+    data = (*problem._data[:3], tangent_of, *lcp._data)
 
     def solve() -> int:
         forces[:] = 0.0

@@ -110,7 +110,7 @@ def test_last_basis_halves_the_time(
     z, (table, basis) = np.zeros(n), auto_workspace(n)
     cold, warm, last, misses = [], [], None, 0
     for step in range(60):
-        M, q = replace(first, free=first.free + 1e-3 * step * drift).lcp().data
+        M, q = replace(first, free=first.free + 1e-3 * step * drift).lcp()._data
 
         def solve(before: IntArray | None, M: FloatArray = M, q: FloatArray = q) -> tuple[int, int]:
             if before is not None:

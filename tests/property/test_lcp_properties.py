@@ -272,7 +272,7 @@ class TestForms:
 
     @staticmethod
     def back(problem, z4):
-        M, q = problem.lcp().data
+        M, q = problem.lcp()._data
         z = np.zeros(problem.size)
         tangent = problem.tangent
         from_copositive(z4, M, q, problem.friction, tangent, len(problem.friction), len(tangent), z)

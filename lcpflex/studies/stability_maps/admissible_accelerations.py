@@ -76,7 +76,7 @@ class ContactFate(StrEnum):
     TOUCHES = "touches without friction"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class AdmissibleMotion:
     """One solution. n contacts that touch without approaching, in the order of ``AdmissibleMotions.contacts``."""
 
@@ -86,7 +86,7 @@ class AdmissibleMotion:
     fate: tuple[ContactFate, ...]  # forth: along t = -J n, gdot_T > 0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class AdmissibleMotions:
     """All that Coulomb's law admits at an instant.
 

@@ -98,7 +98,7 @@ class ConicProgram:
         aspect[::3] = 1.0
         unit = aspect[rows]
         P = B = lagged = None
-        delassus, _, _, factor = problem.data
+        delassus, _, _, factor = problem._data
         if factor is not None and problem.symmetric:
             B = libs.sparse.diags_array(unit) @ libs.sparse.csr_array(factor)[rows]
         else:
@@ -136,7 +136,7 @@ class ConicProgram:
             return forces, np.inf
         G = problem.dense() if self.lagged is None else 0.5 * (problem.dense() + problem.dense().T)
         with one_thread(m):
-            return _newton(problem.data[2], G, load, forces)
+            return _newton(problem._data[2], G, load, forces)
 
 
 def _newton(friction: FloatArray, G: FloatArray, load: FloatArray, forces: FloatArray) -> tuple[FloatArray, float]:

@@ -26,7 +26,7 @@ def parts_of(problem: SpatialContactProblem) -> list[IntArray]:
     k = len(problem.friction)
     if k == 0:
         return []
-    delassus, _, _, factor = problem.data
+    delassus, _, _, factor = problem._data
     graph: Any
     if delassus is None:
         rows = libs.sparse.coo_array(libs.sparse.csr_array(factor))
@@ -47,7 +47,7 @@ def part_of(problem: SpatialContactProblem, contacts: IntArray) -> SpatialContac
     contacts (k,): their numbers, rising.
     """
     rows = unknowns_of(contacts)
-    delassus, factor = of_rows(problem.data[0], problem.data[3], rows)
+    delassus, factor = of_rows(problem._data[0], problem._data[3], rows)
     keys = tuple(problem.keys[i] for i in contacts)
     return SpatialContactProblem(delassus, problem.free[rows], problem.friction[contacts], keys, factor)
 

@@ -75,7 +75,7 @@ class RelaxedSpatialProblem:
         if not (size < np.inf and np.isfinite(r).all() and np.isfinite(u).all()):
             return np.inf, np.inf, np.inf
         miss, slope = np.empty(self.size), np.empty((self.size, 3))
-        worst = float(relaxed_miss(r, u, contact.data[2], len(contact.friction), miss, slope))
+        worst = float(relaxed_miss(r, u, contact._data[2], len(contact.friction), miss, slope))
         return (worst, size, load) if worst < np.inf else (np.inf, np.inf, np.inf)
 
 

@@ -69,7 +69,7 @@ class ConeRun:
 
     def sweep(self, sweeps: int, target: float) -> tuple[int, float]:
         """Up to so many sweeps; how many were made, and the largest change of a velocity in the last one."""
-        _, free, friction, _ = self.problem.data
+        _, free, friction, _ = self.problem._data
         state = (self.forces, self.slip)
         if self.dense is not None:
             return sweep_cones(self.dense, free, friction, self.n, *state, self.small, sweeps, target)
@@ -85,12 +85,12 @@ class ConeRun:
     def newton(self, forces: FloatArray, limit: int) -> int:
         """Newton's method from the forces to the best point, in place; how many linear systems were solved."""
         method = newton if self.dense is not None else newton_on_blocks
-        return int(method(self._operator(), *self.problem.data[1:3], self.n, 0.0, forces, GOAL, limit, self._work)[1])
+        return int(method(self._operator(), *self.problem._data[1:3], self.n, 0.0, forces, GOAL, limit, self._work)[1])
 
     def proximal(self, forces: FloatArray, tolerance: float, limit: int) -> int:
         """Proximal points from the forces to the best point, in place; how many linear systems were solved."""
         method = proximal if self.dense is not None else proximal_on_blocks
-        data = self.problem.data[1:3]
+        data = self.problem._data[1:3]
         return int(method(self._operator(), *data, self.n, forces, tolerance, limit, self._work)[1])
 
     def _operator(self) -> Any:

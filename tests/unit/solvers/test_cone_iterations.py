@@ -16,7 +16,7 @@ def swept(problem, sweeps):
     """Forces and slip after so many sweeps from zero on the dense operator."""
     n = len(problem.friction)
     forces, slip = np.zeros(3 * n), np.zeros(n)
-    W, free, friction, _ = problem.data
+    W, free, friction, _ = problem._data
     sweep_cones(W, free, friction, n, forces, slip, np.zeros(9), sweeps, 0.0)
     return forces, slip
 
@@ -64,7 +64,7 @@ def test_sweeps_are_the_same_on_matrix_blocks_and_factor():
     blocks = ConeBlocks(problem.delassus)
     by_blocks, other = np.zeros(3 * n), np.zeros(n)
     rows = (blocks.first, blocks.other, blocks.block, blocks.own)
-    made, change = sweep_cone_blocks(*rows, *problem.data[1:3], by_blocks, other, 20, 0.0)
+    made, change = sweep_cone_blocks(*rows, *problem._data[1:3], by_blocks, other, 20, 0.0)
     assert made == 20
     assert change > 0.0
     np.testing.assert_allclose(by_blocks, forces, atol=1e-12)
@@ -74,7 +74,7 @@ def test_sweeps_are_the_same_on_matrix_blocks_and_factor():
     x, by_factor = np.zeros(J.shape[1]), np.zeros(3 * n)
     sweep_cone_factor(
         J.indptr.astype(np.int64), J.indices.astype(np.int64), J.data, blocks.own,
-        *problem.data[1:3], x, by_factor, np.zeros(n), 20, 0.0,
+        *problem._data[1:3], x, by_factor, np.zeros(n), 20, 0.0,
     )  # fmt: skip
     np.testing.assert_allclose(by_factor, forces, atol=1e-10)
     np.testing.assert_allclose(x, J.T @ by_factor, atol=1e-12)
@@ -84,7 +84,7 @@ def test_sweeps_end_at_the_change_asked_for():
     problem = heap(6, 6)
     n = len(problem.friction)
     forces = np.zeros(3 * n)
-    made, change = sweep_cones(*problem.data[:3], n, forces, np.zeros(n), np.zeros(9), 5000, 1e-13)
+    made, change = sweep_cones(*problem._data[:3], n, forces, np.zeros(n), np.zeros(9), 5000, 1e-13)
     assert made < 5000
     assert change <= 1e-13
     assert problem.residual(forces) <= 1e-12
@@ -96,7 +96,7 @@ def test_unsymmetric_blocks_are_swept_to_their_own_solution():
     other = type(problem)(W, problem.free, problem.friction)
     n = len(problem.friction)
     forces = np.zeros(3 * n)
-    sweep_cones(*other.data[:3], n, forces, np.zeros(n), np.zeros(9), 3000, 1e-14)
+    sweep_cones(*other._data[:3], n, forces, np.zeros(n), np.zeros(9), 3000, 1e-14)
     assert other.residual(forces) <= 1e-12
     assert problem.residual(forces) > 1e-6
 
@@ -109,7 +109,7 @@ def test_unsymmetric_blocks_are_swept_to_their_own_solution():
 def test_newton_and_proximal_points_dense_and_by_blocks(make):
     problem = make()
     alike, n = problem.balanced(), len(problem.friction)
-    W, free, friction, _ = alike.data
+    W, free, friction, _ = alike._data
     start, _ = swept(alike, 10)
     found = []
     for operator, steps, points in ((W, newton, proximal), (ConeBlocks(W), newton_on_blocks, proximal_on_blocks)):
@@ -132,7 +132,7 @@ def test_newton_tells_what_it_reached():
     problem = heap(30, 12, seed=3).balanced()
     n = len(problem.friction)
     forces = np.zeros(3 * n)
-    left, solved = newton(*problem.data[:3], n, 0.0, forces, 1e-13, 2, cone_work(n))
+    left, solved = newton(*problem._data[:3], n, 0.0, forces, 1e-13, 2, cone_work(n))
     assert solved == 2
     assert left > 1e-6
 
@@ -141,7 +141,7 @@ def test_proximal_points_are_put_ahead_on_the_line_of_their_drift():
     """Forty contacts of six bodies with friction 0.9 to 1: each centre at the last point took 412 linear systems."""
     problem = heap(40, 6, seed=2, friction=(0.9, 1.0)).balanced()
     forces = np.zeros(120)
-    residual, solved = proximal(*problem.data[:3], 40, forces, 1e-11, 1500, cone_work(40))
+    residual, solved = proximal(*problem._data[:3], 40, forces, 1e-11, 1500, cone_work(40))
     assert residual <= 1e-11
     assert problem.residuals(forces)[1] <= 1e-11
     assert solved <= 340

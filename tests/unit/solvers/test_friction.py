@@ -134,7 +134,7 @@ class TestCopositiveForm:
         # A point of 1 kg with (slide, -1) m/s, mu = 0.5: both forms have the same z, speeds included.
         problem = ContactProblem(np.eye(2), [-1.0, slide], [0.5])
         four = Lemke().solve(problem.copositive_lcp())
-        M, q = problem.lcp().data
+        M, q = problem.lcp()._data
         z = np.full(3, np.nan)
         from_copositive(four.z, M, q, problem.friction, problem.tangent, 1, 1, z)
         friction = -np.sign(slide) * min(abs(slide), 0.5)

@@ -117,7 +117,7 @@ class TestRows:
         for omega in (1.0, 2.0 / (1.0 + np.sin(np.pi / 25.0))):
             z = np.zeros(n)
             for _ in range(100):
-                sweep_rows(*problem.data, n, omega, z)
+                sweep_rows(*problem._data, n, omega, z)
             errors.append(np.abs(z - np.arange(n, 0, -1.0)).max())
         assert errors[0] > 0.1 * 0.984**100 * n
         assert errors[1] < 1e-6 * errors[0]
@@ -136,7 +136,7 @@ class TestRows:
     @staticmethod
     def sweeps_until(problem, z, point):
         for count in range(1, 1000):
-            sweep_rows(*problem.data, len(z), 1.0, point)
+            sweep_rows(*problem._data, len(z), 1.0, point)
             if np.abs(point - z).max() < 1e-9:
                 return count
         raise AssertionError("no convergence")

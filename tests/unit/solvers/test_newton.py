@@ -115,7 +115,7 @@ class TestMerit:
     @staticmethod
     def iterate(problem, start, full, count):
         """Merits after each step, and the lengths that were reached, from kernels called one by one."""
-        M, q = problem.data
+        M, q = problem._data
         n = len(q)
         vectors, table, basis = newton_workspace(n)
         d, w, target, shifted, trial, z = vectors

@@ -108,7 +108,7 @@ class TestPartsThatFail:
         u = found.certificate
         first = sum(len(pile[2]) for pile in others)
         assert np.flatnonzero(u).tolist() == [first, first + 1]
-        M, q = problem.lcp().data
+        M, q = problem.lcp()._data
         assert (u >= 0.0).all()
         assert (M.T @ u <= 0.0).all()
         assert q @ u < 0.0

@@ -135,25 +135,15 @@ class TestData:
         np.testing.assert_array_equal(STICKING.forces([1.0, 2.0, 3.0]), [[1.0, 2.0, 3.0]])
 
     @pytest.mark.parametrize("copied", [copy.deepcopy, lambda p: pickle.loads(pickle.dumps(p))], ids=["copy", "pickle"])
-    def test_copies_are_equal_and_solve_alike(self, copied):
+    def test_copies_have_the_same_numbers_and_solve_alike(self, copied):
         sparse = SpatialContactProblem(scipy.sparse.csr_array(np.eye(6)), np.ones(6), [0.3, 0.2], factor=np.eye(6))
         for problem in (STICKING, sparse, SpatialContactProblem(None, np.ones(3), [0.1], factor=np.eye(3))):
             again = copied(problem)
-            assert again == problem
+            for one, other in zip(again.data, problem.data, strict=True):
+                dense = [a.toarray() if scipy.sparse.issparse(a) else a for a in (one, other)]
+                assert np.array_equal(*dense)
+            assert again.keys == problem.keys
             assert again.residuals(np.ones(problem.size)) == problem.residuals(np.ones(problem.size))
-
-    def test_what_makes_them_differ(self):
-        W, q, mu = np.diag([2.0, 1.0, 1.0]), np.array([-1.0, 0.1, 0.05]), [0.3]
-        others = (
-            SpatialContactProblem(1.5 * W, q, mu, ["foot"]),
-            SpatialContactProblem(W, -q, mu, ["foot"]),
-            SpatialContactProblem(W, q, [0.4], ["foot"]),
-            SpatialContactProblem(W, q, mu, ["hand"]),
-            SpatialContactProblem(None, q, mu, ["foot"], factor=np.sqrt(W)),
-        )
-        assert all(other != STICKING for other in others)
-        assert STICKING != 3
-        assert SpatialContactProblem(W, q, mu, ["foot"]) == STICKING
 
     def test_arrays_are_copied_and_read_only(self):
         W = np.eye(3)
