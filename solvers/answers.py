@@ -21,7 +21,7 @@ _COUNTS = ("iterations", "num_iter", "nit")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
-    """A point z (n,) that is not judged yet; or None, and in words why.
+    """A point z (n,); or None, and in words why. ``error`` of a point: what is wrong with it, once it is judged.
 
     iterations: as the function counts them, 0 if it does not. claim: the Solution that it returned, if it was one.
     seconds: what the call took. expired: whether the time was up. cause: what the function raised in this process.

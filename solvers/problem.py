@@ -337,7 +337,7 @@ def _why_not(problem: Problem, residual: float, tolerance: float, status: Status
         return status
     if residual <= 1e3 * tolerance:
         return Status.INACCURATE
-    if status in (Status.RAY, Status.ITERATION_LIMIT):
+    if status in (Status.RAY, Status.ITERATION_LIMIT, Status.WRONG):
         return status
     return Status.NUMERICAL_FAILURE
 

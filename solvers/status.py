@@ -31,3 +31,5 @@ class Status(enum.IntEnum):
     """Every active set was refuted in exact arithmetic (exhaustive search)."""
     TIME_LIMIT = 8
     """The time allowed for one solve was up first (:class:`lcpflex.solvers.TimeLimit`)."""
+    WRONG = 9
+    """A function of the user's own returned a point as a solution, and its residual is above 1000 tolerances."""

@@ -21,6 +21,7 @@ from lcpflex.solvers.answers import Answer, asked
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.clock import check_time_limit, limited, remaining
 from lcpflex.solvers.limits import check_tolerance
+from lcpflex.solvers.near_miss import near_miss
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
 from lcpflex.solvers.refusals import no_cones
 from lcpflex.solvers.user_process import Worker
@@ -29,9 +30,13 @@ __all__ = ["UserSolver", "as_solver", "is_ours", "name_of", "named_solvers", "ow
 
 TARGET = 1e-10  # residual of a solution where no other is asked for
 LONGEST = 300  # characters of what a solver says of its failure
-WRONG = Status.NUMERICAL_FAILURE  # what a point is that does not solve the problem
 HONEST = (Status.RAY, Status.ITERATION_LIMIT, Status.TIME_LIMIT, Status.INACCURATE)  # a failure that needs no proof
+CLAIMED = (Status.SOLVED, Status.NOT_UNIQUE)  # what makes a point that does not solve the problem a wrong one
 TAKES = ("arrays", "lcp", "problem")
+CONES = (
+    'with UserSolver(function, takes="problem") the function gets the SpatialContactProblem p itself (p.delassus or '
+    "p.factor, p.free, p.friction) and returns its forces (3 k,), normal and two tangents of each contact in turn"
+)
 _EXPECTED = (
     "expected a solver such as Auto(), a function of (M, q) or of (problem) that returns z, or an object with "
     "solve(problem)"
@@ -110,7 +115,7 @@ class UserSolver:
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """What the object says that ``function`` is; a function takes every problem that comes as it asks for it."""
         if self.takes != "problem" and (reason := no_cones(self, problem)):
-            return f'{reason}; takes is "{self.takes}": expected "problem" for a function of such problems'
+            return f'{reason}. takes is "{self.takes}"; {CONES}'
         asked_for = getattr(self.function, "refuses", None)
         if not callable(asked_for):
             return ""
@@ -133,23 +138,36 @@ class UserSolver:
         answer = self.ask(problem, guess)
         if answer.z is None:
             return _failed(problem, self.name, answer)
-        claim, tolerance = answer.claim, self.tolerance
-        if claim is None:
-            return accept(
-                problem, answer.z, tolerance=tolerance, status=WRONG, iterations=answer.iterations, route=self.name
-            )
+        claim, status, message = answer.claim, Status.WRONG, ""
+        certificate = active = None
+        if claim is not None:
+            certificate, active = _like(answer.z, claim.certificate), _like(answer.z, claim.active)
+            if claim.status in HONEST:
+                status, message = claim.status, str(claim.message)[:LONGEST]
+            elif claim.status not in CLAIMED:
+                status = Status.NUMERICAL_FAILURE
         judged = accept(
             problem,
             answer.z,
-            tolerance=tolerance,
-            status=claim.status if claim.status in HONEST else WRONG,
+            tolerance=self.tolerance,
+            status=status,
             iterations=answer.iterations,
             route=self.name,
-            message=str(claim.message)[:LONGEST] if claim.status in HONEST else "",
-            certificate=_like(answer.z, claim.certificate),
+            message=message,
+            certificate=certificate,
         )
-        active = _like(answer.z, claim.active)
+        judged = self._told_wrong(problem, judged)
         return judged if active is None else replace(judged, active=(active == 1).astype(np.int64))
+
+    def _told_wrong(self, problem: Lcp | PosedProblem, judged: Solution) -> Solution:
+        """The verdict with what the user may have meant, where the point is called wrong."""
+        if judged.status is not Status.WRONG:
+            return judged
+        hint = near_miss(problem, judged.z, self.tolerance)
+        error = f"returned a z of residual {judged.residual:.1e}, tolerance {self.tolerance:.1e}"
+        error = f"{error}; {hint}" if hint else error
+        self._answers[:] = [replace(answer, error=error) for answer in self._answers]  # for who asks what went wrong
+        return replace(judged, message=f"wrong: {self.name} {error}")
 
     def ask(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Answer:
         """What the function answers, not yet judged.

@@ -7,10 +7,8 @@ therefore sought in w, of contact problems in the contact velocities.
 from __future__ import annotations
 
 import dataclasses
-import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -21,23 +19,20 @@ from lcpflex.basics.arguments import text
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_options, check_problem, posed
-from lcpflex.solvers.benchmark.records import csv_of, version_of
+from lcpflex.solvers.benchmark.attempts import PROOFS, Row, attempt
+from lcpflex.solvers.benchmark.records import csv_of
 from lcpflex.solvers.certificate import is_symmetric
 from lcpflex.solvers.clock import check_time_limit
 from lcpflex.solvers.limits import check_tolerance
 from lcpflex.solvers.mixed.problems import BoxedLcp, MixedLcp
-from lcpflex.solvers.problem import Lcp, Solution, Status
+from lcpflex.solvers.problem import Lcp, Solution
 from lcpflex.solvers.refusals import has_cones
 from lcpflex.solvers.time_limit import TimeLimit
-from lcpflex.solvers.user_solver import TARGET, named_solvers, own_part, own_tolerance
+from lcpflex.solvers.user_solver import named_solvers
 
 __all__ = ["CrossCheck", "Row", "all_solvers", "cross_check"]
 
 ALIKE = 1e-6  # relative difference up to which two certified answers count as one
-ROUNDING = 1.01  # by which a residual that is computed once more may exceed the tolerance
-LONGEST = 110  # characters of a remark
-PROOFS = ("INFEASIBLE", "NO_SOLUTION")
-REFUSED, FAILED = "refused", "failed"  # in place of a status
 _HEAD = ("solver", "status", "residual", "|z - z_ref|", "same motion", "iterations", "time [us]", "remark")
 
 
@@ -68,52 +63,6 @@ def _is_solver(kind: object) -> bool:
         return False
     missing = dataclasses.MISSING
     return all(f.default is not missing or f.default_factory is not missing for f in dataclasses.fields(kind) if f.init)
-
-
-@dataclass(frozen=True, slots=True)
-class Row:
-    """What one solver made of the problem.
-
-    status: name of the Status that its point deserves, or "refused" or "failed" (it raised, or returned no point).
-    residual: of its point, computed here on the data of the problem, whatever the solver states; of another model's
-    forces too; strict: the same relative to the load alone, where the problem tells it. difference: max |z - z_ref|;
-    same_motion: whether w is that of the reference; both None if not solved or the model is another one. time [s]:
-    median of the repeats. remark: the reason, if it was not solved. model: what the solver solves instead of the
-    problem, if it does. solved: whether the residual is within the tolerance. wrong: whether the solver's claim,
-    ``claim``, was refuted here. route: which algorithms it says that it tried. version: of the solver, as far as it is
-    known.
-    """
-
-    solver: str
-    status: str
-    residual: float = float("nan")
-    difference: float | None = None
-    same_motion: bool | None = None
-    iterations: int | None = None
-    time: float = float("nan")
-    remark: str = ""
-    model: str = ""
-    solved: bool = False
-    wrong: bool = False
-    claim: str = ""
-    tolerance: float = float("nan")
-    strict: float = float("nan")
-    route: str = ""
-    version: str = ""
-
-    def cells(self) -> tuple[str, ...]:
-        """The row as text, in the order of the table."""
-        motion = {None: "-", True: "yes", False: "no"}[self.same_motion]
-        return (
-            self.solver,
-            "-" if self.status == REFUSED else self.status,
-            number(self.residual, ".1e"),
-            "-" if self.difference is None else f"{self.difference:.1e}",
-            motion,
-            "-" if self.iterations is None else str(self.iterations),
-            number(1e6 * self.time, ".1f"),
-            f"another model: {self.model}" if self.model else self.remark,
-        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,7 +119,7 @@ def cross_check(
         By name, or one, or a sequence of them; all of :func:`all_solvers` if left out. Callables become
         :class:`UserSolver`: a function of (M, q) or of (problem) that returns z.
     repeats
-        Solves of which the median time counts, after one that may compile.
+        Solves of which the median time counts, after one that may compile. All are judged, and the worst counts.
     tolerance
         Largest residual that counts as solved [-], for all solvers. By default the one that each solver states, for
         those that state none that of the problem, if it has one, else 1e-10.
@@ -214,7 +163,7 @@ def solve_all(
     """The comparison, and what each solver found, started from its guess if there is one."""
     if tolerance is not None:
         check_tolerance(tolerance)
-    tried = {n: _attempt(problem, n, s, repeats, guesses.get(n), tolerance) for n, s in solvers.items()}
+    tried = {n: attempt(problem, n, s, repeats, guesses.get(n), tolerance) for n, s in solvers.items()}
     rivals = {n: (row, s) for n, (row, s) in tried.items() if s is not None and row.solved and not row.model}
     reference = min(rivals, key=lambda n: rivals[n][0].residual, default="")
     best = rivals[reference][1] if reference else None
@@ -222,96 +171,6 @@ def solve_all(
     verdict = _verdict(problem, rows, reference)
     check = CrossCheck(rows, reference, verdict, name, type(problem).__name__, int(problem.size))
     return check, {n: s for n, (_, s) in tried.items()}
-
-
-def _attempt(
-    problem: Any, name: str, solver: Any, repeats: int, guess: Solution | None, tolerance: float | None
-) -> tuple[Row, Solution | None]:
-    """The row of one solver, not yet compared, and its solution if it returned one."""
-    version, own = version_of(solver), own_part(solver)
-    try:
-        reason = solver.refuses(problem)
-        if reason:
-            return Row(name, REFUSED, remark=_first_line(reason), version=version), None
-        found = solver.solve(problem, guess)
-        times = []
-        for _ in range(repeats):
-            if own is not None and own.last is not None and own.last.z is None and not own.last.expired:
-                break  # it raised, and may do so after a while: once is enough
-            start = perf_counter()
-            found = solver.solve(problem, guess)
-            times.append(perf_counter() - start)
-            if own is not None and own.time_limit is not None and own.last is not None:
-                times[-1] = own.last.seconds  # without what it takes to hand it to another process
-    except Exception as error:  # a solver that breaks its promise is a finding, not the end of the comparison
-        return Row(name, FAILED, remark=_first_line(f"{type(error).__name__}: {error}"), version=version), None
-    answer = None if own is None else own.last
-    claim = found.status.name if answer is None or answer.claim is None else _status_name(answer.claim)
-    if answer is not None and answer.z is None and answer.claim is None and not answer.expired:
-        return Row(name, FAILED, remark=_first_line(answer.error.removeprefix("raised ")), version=version), None
-    return _judged(problem, name, solver, found, claim, tolerance, statistics.median(times or [np.nan])), found
-
-
-def _status_name(claim: Solution) -> str:
-    return claim.status.name if isinstance(claim.status, Status) else str(claim.status)[:20]
-
-
-def _judged(
-    problem: Any, name: str, solver: Any, found: Solution, claim: str, tolerance: float | None, time: float
-) -> Row:
-    """The row of a point, by its residual on the data of the problem."""
-    model = str(getattr(solver, "model", ""))
-    stated = own_tolerance(solver, getattr(problem, "tolerance", TARGET))
-    allowed = stated if tolerance is None else tolerance
-    residual, strict = _residuals(problem, found, bool(model))
-    claims = claim in (Status.SOLVED.name, Status.NOT_UNIQUE.name)
-    wrong = claims and not model and not residual <= ROUNDING * stated
-    solved = bool(found.solved if model else residual <= ROUNDING * allowed and _has_point(solver, found))
-    status, remark = found.status, "" if solved else _first_line(found.message)
-    if solved and not found.solved:
-        status = Status.SOLVED
-    elif found.solved and not solved:
-        status = Status.INACCURATE if residual <= 1e3 * allowed else Status.NUMERICAL_FAILURE
-        remark = f"residual {residual:.1e}, tolerance {allowed:.1e}"
-    if wrong:
-        remark = _first_line(f"claimed {claim}, but its residual is {residual:.1e}")
-    elif claim in PROOFS and claim != status.name:
-        remark = f"claimed {claim} without a proof that holds"
-    return Row(
-        name,
-        status.name,
-        residual,
-        iterations=found.iterations,
-        time=time,
-        remark=remark,
-        model=model,
-        solved=solved,
-        wrong=wrong,
-        claim=claim,
-        tolerance=allowed,
-        strict=strict,
-        route=found.route,
-        version=version_of(solver),
-    )
-
-
-def _has_point(solver: Any, found: Solution) -> bool:
-    """Whether the point is what the solver found, though it may not have reached its own tolerance."""
-    own = own_part(solver)
-    return found.status.name not in PROOFS and (own is None or own.last is None or own.last.z is not None)
-
-
-def _residuals(problem: Any, found: Solution, other_model: bool) -> tuple[float, float]:
-    """Both sizes of the residual in the problem as it was posed; forces of another model are read as its forces."""
-    z = np.array(found.z, dtype=float)
-    if other_model and hasattr(problem, "unknowns") and z.shape == problem.free.shape:
-        z = problem.unknowns(*np.split(z, [len(problem.friction)]))
-    if z.shape != (problem.size,):
-        return float("nan"), float("nan")
-    if hasattr(problem, "residuals"):
-        residual, strict = problem.residuals(z)
-        return float(residual), float(strict)
-    return float(problem.residual(z)), float("nan")
 
 
 def _compared(problem: Any, row: Row, found: Solution | None, best: Solution | None) -> Row:
@@ -371,17 +230,6 @@ def _verdict(problem: Any, rows: Sequence[Row], reference: str) -> str:
     if len(solved) == 1:
         return f"only {reference} solved it"
     return f"all {len(solved)} solvers that solved it agree in {kind}"
-
-
-def _first_line(text: str) -> str:
-    """What fits into a table of a message, of which some run over pages."""
-    line = text.strip().partition("\n")[0]
-    return line if len(line) <= LONGEST else line[: LONGEST - 3] + "..."
-
-
-def number(value: float, form: str) -> str:
-    """The number, or a dash if there is none."""
-    return format(value, form) if np.isfinite(value) else "-"
 
 
 def aligned(lines: Sequence[Sequence[str]]) -> str:

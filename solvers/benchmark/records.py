@@ -14,7 +14,8 @@ from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from lcpflex.solvers.benchmark.comparison import CrossCheck, Row
+    from lcpflex.solvers.benchmark.attempts import Row
+    from lcpflex.solvers.benchmark.comparison import CrossCheck
 
 __all__ = ["as_csv", "csv_of", "environment", "version_of"]
 
@@ -37,7 +38,7 @@ def csv_of(kind: type[Row], checks: Sequence[CrossCheck]) -> str:
     """A line for each problem and solver below the names of the columns; numbers in full, times in seconds.
 
     problem, kind, size: the problem's name, class and unknowns; then what ``kind``,
-    :class:`lcpflex.solvers.benchmark.comparison.Row`, says; then machine, processor, cores, and the versions of
+    :class:`lcpflex.solvers.benchmark.attempts.Row`, says; then machine, processor, cores, and the versions of
     Python, numpy, numba, scipy and lcpflex.
     """
     names = [f.name for f in fields(kind)]

@@ -13,7 +13,8 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_options, check_problem
 from lcpflex.solvers.benchmark import comparison as one
-from lcpflex.solvers.benchmark.comparison import CrossCheck, Row
+from lcpflex.solvers.benchmark.attempts import PROOFS, REFUSED, Row, number
+from lcpflex.solvers.benchmark.comparison import CrossCheck
 from lcpflex.solvers.benchmark.profile import draw_profile
 from lcpflex.solvers.benchmark.records import as_csv, csv_of
 from lcpflex.solvers.problem import Solution
@@ -60,7 +61,7 @@ class ReplayRow:
         tried = self.refused < sum(counts[:5])
         sums = (str(self.iterations), f"{1e3 * self.time:.2f}") if tried else ("-", "-")
         remark = f"another model: {self.model}" if self.model else self.remark
-        return (self.solver, *map(str, counts), one.number(self.residual, ".1e"), *sums, remark)
+        return (self.solver, *map(str, counts), number(self.residual, ".1e"), *sums, remark)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -180,14 +181,14 @@ def _is_odd(check: CrossCheck) -> bool:
 
 def _counted(row: Row) -> float:
     """The time of a solve that counts in the profile, else inf."""
-    return row.time if (row.solved or row.status in one.PROOFS) and not (row.wrong or row.model) else np.inf
+    return row.time if (row.solved or row.status in PROOFS) and not (row.wrong or row.model) else np.inf
 
 
 def _sum(rows: Sequence[Row]) -> ReplayRow:
     """One solver's rows of many problems in one."""
     solved = [row for row in rows if row.solved and not row.wrong]
-    refused = sum(row.status == one.REFUSED for row in rows)
-    proved = sum(row.status in one.PROOFS and not row.wrong for row in rows)
+    refused = sum(row.status == REFUSED for row in rows)
+    proved = sum(row.status in PROOFS and not row.wrong for row in rows)
     wrong = sum(row.wrong for row in rows)
     return ReplayRow(
         rows[0].solver,
@@ -200,6 +201,6 @@ def _sum(rows: Sequence[Row]) -> ReplayRow:
         residual=max((row.residual for row in solved), default=float("nan")),
         iterations=sum(row.iterations or 0 for row in rows),
         time=float(np.nansum([row.time for row in rows])),
-        remark=next((row.remark for row in rows if row.remark and row.status not in one.PROOFS), ""),
+        remark=next((row.remark for row in rows if row.remark and row.status not in PROOFS), ""),
         model=next((row.model for row in rows if row.model), ""),
     )
