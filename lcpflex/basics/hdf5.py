@@ -7,21 +7,22 @@ import math
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics import libs
+from lcpflex.basics.archives import check_hdf5, pad_hdf5
 from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError
 
-__all__ = ["array_of", "create", "h5py_for", "put_array", "whole_hdf5"]
+__all__ = ["array_of", "create", "h5py_for", "opened", "put_array", "whole_hdf5"]
 
 SMALL = 1024  # bytes: what is smaller is not worth a chunk of its own
 CHUNK = 2**20  # bytes
 LEVEL = 4  # of deflate: 9 takes three times as long and saves a per cent
-DENSEST = 1100  # bytes that deflate can make of one
 
 
 def h5py_for(what: str) -> Any:
@@ -36,6 +37,22 @@ def h5py_for(what: str) -> Any:
         return libs.h5py
     except ImportError as error:
         raise ModelError(f"{what} h5py, which is not installed: pip install 'lcpflex[hdf5]'") from error
+
+
+@contextmanager
+def opened(what: str, path: Path) -> Iterator[Any]:
+    """An open h5py.File to be read, after its claims were compared with its size: see :func:`.check_hdf5`.
+
+    Raises
+    ------
+    ModelError
+        As :func:`h5py_for` does.
+    ValueError
+        Without the name of the file, for one that would take far more memory than it has bytes.
+    """
+    with h5py_for(what).File(path, "r") as file:
+        check_hdf5(file, path.stat().st_size)
+        yield file
 
 
 @contextmanager
@@ -54,6 +71,8 @@ def whole_hdf5(name: str, path: Any, what: str, libver: str = "v110") -> Iterato
     with whole_file(name, path) as part:
         with h5py.File(made, "w", libver=libver, track_order=True) as file:
             yield file
+            file.flush()
+            pad_hdf5(file, made.getbuffer().nbytes)
         part.write_bytes(made.getbuffer())
 
 
@@ -76,10 +95,8 @@ def put_array(group: Any, name: str, values: npt.NDArray[Any]) -> None:
 
 
 def array_of(group: Any, name: str) -> npt.NDArray[Any]:
-    """Read what :func:`put_array` wrote; KeyError, ValueError or OSError for anything else."""
+    """Read what :func:`put_array` wrote to a file of :func:`opened`; KeyError, ValueError or OSError for another."""
     dataset = group[name]
-    if dataset.size * dataset.dtype.itemsize > SMALL + DENSEST * dataset.id.get_storage_size():
-        raise ValueError(f"{name} claims more numbers than the file holds")
     values = np.asarray(dataset[()])
     if _check_sum(values) != int(dataset.attrs["crc32"]):
         raise ValueError(f"the check sum of {name} is another")

@@ -23,12 +23,13 @@ from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.hdf5 import array_of, h5py_for, put_array, whole_hdf5
+from lcpflex.basics.archives import load_arrays, save_arrays
+from lcpflex.basics.hdf5 import array_of, opened, put_array, whole_hdf5
 from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError, path_of, shown
 from lcpflex.results.first_format import CHANGED
@@ -77,7 +78,7 @@ def write(value: object, path: str | os.PathLike[str]) -> Path:
                 put_array(file, name, array)
         return Path(path)
     with whole_file("path", target) as part, part.open("wb") as file:
-        np.savez_compressed(file, format=np.array(FORMAT), structure=np.array(structure), **arrays)  # type: ignore[arg-type]
+        save_arrays(file, {"format": np.array(FORMAT), "structure": np.array(structure), **arrays})
     return Path(path)
 
 
@@ -85,8 +86,8 @@ def read(path: str | os.PathLike[str]) -> Any:
     """Read back what :func:`write` wrote. Raises ModelError with the path and the reason."""
     target = path_of("path", path)
     try:
-        with target.open("rb") as opened:
-            return _read_hdf5(target) if opened.read(len(SIGNATURE)) == SIGNATURE else _read_npz(target)
+        with target.open("rb") as file:
+            return _read_hdf5(target) if file.read(len(SIGNATURE)) == SIGNATURE else _read_npz(target, file)
     except ModelError:
         raise
     except OSError as error:
@@ -96,15 +97,14 @@ def read(path: str | os.PathLike[str]) -> Any:
         raise ModelError(f"path: {str(target)!r} is no complete result of lcpflex ({error}), {EXPECTED}") from error
 
 
-def _read_npz(target: Path) -> Any:
-    with target.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+def _read_npz(target: Path, stream: IO[bytes]) -> Any:
+    with load_arrays(stream) as file:
         _check_format(target, str(file["format"]) if "format" in file else None)
         return _decode(json.loads(str(file["structure"])), file)
 
 
 def _read_hdf5(target: Path) -> Any:
-    h5py = h5py_for(f"path: {str(target)!r}: an HDF5 file needs")
-    with h5py.File(target, "r") as file:
+    with opened(f"path: {str(target)!r}: an HDF5 file needs", target) as file:
         text = {name: bytes(array_of(file, name)).decode() for name in ("format", "structure") if name in file}
         _check_format(target, text.get("format"))
         return _decode(json.loads(text["structure"]), _Stored(file))

@@ -29,6 +29,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics.archives import load_arrays
 from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError, in_range, shown, writable_path
 from lcpflex.runs.object_tree import Arrays, Unkept, freeze, thaw
@@ -97,7 +98,7 @@ class Checkpoint:
 
 def _no_checkpoint(path: str, error: Exception) -> ModelError:
     words = str(error)
-    short = words if len(words) <= 120 else words[:117] + "..."
+    short = words if len(words) <= 160 else words[:157] + "..."
     return ModelError(
         f"path: {shown(path)} is no complete checkpoint of lcpflex ({type(error).__name__}: {short}), expected a file "
         "that simulate(..., checkpoint=path) wrote"
@@ -108,7 +109,7 @@ def read(path: str | os.PathLike[str]) -> Checkpoint:
     """Read a checkpoint. Raises ModelError, with the path, for what is none, or is damaged."""
     try:
         target = os.fspath(path)
-        with Path(target).open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+        with Path(target).open("rb") as opened, load_arrays(opened) as file:
             if not isinstance(file, np.lib.npyio.NpzFile):
                 raise ValueError("an array alone")
             found = str(file["format"])[:60] if "format" in file else "no such entry"

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.basics import libs
-from lcpflex.basics.hdf5 import h5py_for, whole_hdf5
+from lcpflex.basics.hdf5 import opened, whole_hdf5
 from lcpflex.errors import ModelError, path_of
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.contact.condensation import (
@@ -48,10 +48,10 @@ def load_fclib(path: str | os.PathLike[str]) -> ContactProblem | SpatialContactP
     path: of the file.
     """
     path = path_of("path", path)
-    h5py, name = h5py_for(NEEDS), f"path {str(path)[-SHOWN:]!r}"
+    name = f"path {str(path)[-SHOWN:]!r}"
     expected = LOCAL
     try:
-        with h5py.File(path, "r") as file:
+        with opened(NEEDS, path) as file:
             if "fclib_local" in file:
                 W, q, mu, dimension = _local(file["fclib_local"])
             elif "fclib_global" in file:

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics.archives import load_arrays, save_arrays
 from lcpflex.basics.arguments import SHOWN, lines_of, sequence_of, text
 from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError, path_of
@@ -55,7 +56,7 @@ def save_problems(
         arrays |= {f"{key}_{i}": value for key, value in arrays_of(problem).items()}
         arrays[f"name_{i}"] = np.array(name)
     with whole_file("path", target) as part, part.open("wb") as stream:
-        np.savez_compressed(stream, **arrays)
+        save_arrays(stream, arrays)
     return target
 
 
@@ -71,7 +72,7 @@ def load_problems(path: str | os.PathLike[str]) -> list[Recorded]:
     name = f"path {str(file)[-SHOWN:]!r}"
     try:
         with file.open("rb") as stream:  # which numpy leaves open where the file is damaged
-            stored = np.load(stream, allow_pickle=False)
+            stored = load_arrays(stream)
             if not hasattr(stored, "files"):
                 raise ModelError(f"{name}: holds a single array; expected an npz file with keys M_0, q_0, ...")
             arrays = {key: stored[key] for key in stored.files}

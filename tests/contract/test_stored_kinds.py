@@ -76,7 +76,6 @@ def test_comes_back_to_the_bit_and_is_solved_alike(tmp_path, name):
         assert first.z.tobytes() == again.z.tobytes()
     else:
         r = np.array([1.0, -0.2, 0.0, 1.0, 0.0, -0.5])
-        assert now == was
         assert now.residual(r) == was.residual(r) == pytest.approx(0.0, abs=1e-15)
 
 

@@ -21,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics import libs
+from lcpflex.basics.archives import load_arrays
 from lcpflex.basics.arguments import lines_of, numbers as numbers_in
 from lcpflex.bodies.body import array_of, named
 from lcpflex.bodies.matrices import Matrices
@@ -148,23 +149,32 @@ def _matrix(name: str, value: Any) -> Any:
 
 def _numpy(name: str, path: Path, *, sparse: bool) -> Any:
     try:
-        if path.suffix.lower() == ".npy":
-            with path.open("rb") as file:  # which numpy leaves open where the file is damaged
-                return np.load(file, allow_pickle=False)
-        with np.load(path, allow_pickle=False) as arrays:
-            keys = list(arrays.keys())
+        with path.open("rb") as file:  # which numpy leaves open where the file is damaged
+            stored = load_arrays(file)
+            if not hasattr(stored, "files"):
+                return stored
+            keys = list(stored.files)
             if sparse and "format" in keys and "data" in keys:
-                matrix = libs.sparse.load_npz(path)
+                _check_rows(stored)
+                file.seek(0)
+                matrix = libs.sparse.load_npz(file)
                 if hasattr(matrix, "check_format"):
                     matrix.check_format(full_check=True)  # indices that point elsewhere would crash Python
                 return matrix
             if len(keys) == 1:
-                return arrays[keys[0]]
+                return stored[keys[0]]
     except Exception as error:  # numpy, zipfile and pickle each have their own
         raise ModelError(
             f"{name}: {str(path)!r} cannot be read ({str(error)[:150]}), expected arrays as numpy saves them"
         ) from None
     raise ModelError(f"{name}: {str(path)!r} holds {', '.join(keys) or 'nothing'}, expected one array or one matrix")
+
+
+def _check_rows(stored: Any) -> None:
+    """Raise ValueError for a sparse matrix of more rows or columns than any has: they take memory without entries."""
+    shape = stored["shape"]
+    if shape.shape != (2,) or shape.dtype.kind not in "iu" or not 0 <= shape.min() <= shape.max() <= ROWS:
+        raise ValueError(f"its shape is {shown(shape)}, and at most {ROWS} rows and columns are read")
 
 
 def _matrix_market(name: str, path: Path) -> Any:

@@ -1,4 +1,4 @@
-"""Comparisons judge every solve, say the whole reason of a refusal, and call a wrong point wrong, with what was meant."""
+"""Comparisons judge every solve and tell reasons whole; a wrong point is called wrong, with what was meant."""
 
 import itertools
 

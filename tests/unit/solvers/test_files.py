@@ -11,7 +11,6 @@ import scipy.sparse
 from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Lcp
-from lcpflex.solvers.benchmark import files as files_module
 from lcpflex.solvers.benchmark.fclib import load_fclib
 from lcpflex.solvers.benchmark.files import load_problems, load_text_lcp, save_problems
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
@@ -85,7 +84,7 @@ class TestRecords:
         def full(*_, **__):
             raise OSError("no space left on device")
 
-        monkeypatch.setattr(files_module.np, "savez_compressed", full)
+        monkeypatch.setattr(np.lib.format, "write_array", full)
         with pytest.raises(ModelError, match="no space left"):
             save_problems(path, [Lcp(M, -q)])
         np.testing.assert_array_equal(load_problems(path)[0].problem.q, q)

@@ -1,4 +1,4 @@
-"""Problems, solutions and outcomes are compared by identity, and nothing that a user sees of a problem can be written."""
+"""Problems, solutions and outcomes are compared by identity, and what a user sees of a problem cannot be written."""
 
 import numpy as np
 import pytest
@@ -38,7 +38,7 @@ PROBLEMS = [name for name in MAKE if name not in ("solution", "replay")]
 @pytest.mark.parametrize("name", MAKE)
 def test_two_of_the_same_numbers_are_two(name):
     one, other = MAKE[name](), MAKE[name]()
-    assert one == one  # noqa: PLR0124
+    assert one == one
     assert one != other
     assert other in [one, other]
     assert [one, other].index(other) == 1
