@@ -192,7 +192,7 @@ class TestWhoRefuses:
     def test_functions_of_matrices_refuse_too(self):
         with pytest.raises(
             ModelError,
-            match='takes is "arrays"; with UserSolver.function, takes="problem". the function gets the Spatial',
+            match='takes is "arrays"; with UserSolver',
         ):
             UserSolver(lambda M, q: q).solve(STICKING)
 
