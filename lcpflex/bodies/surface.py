@@ -2,7 +2,9 @@
 
 A surface holds *nodes*, material points with a radius that may touch others, and *features*, the segments and arcs
 that others may touch. Which side does what follows from the two kinds: discs, single nodes and solid arcs are the node
-side of everything, chains that of half-planes, holes and (both ways) of other chains, if nothing else was chosen.
+side of everything, chains that of half-planes, holes and (both ways) of other chains, if nothing else was chosen. The
+ends of an open arc are corners, as those of a chain: nodes beside it, and features; those of part of a hole are the
+nodes that it has.
 """
 
 from __future__ import annotations
@@ -34,6 +36,7 @@ __all__ = [
     "on_body",
 ]
 
+WHOLE = 2.0 * math.pi - 2e-9  # [rad] an arc of more has no ends: detection widens it to a circle
 ROUND = 128  # corners of the polygon that stands for a round outline where the thickness of the solid is measured
 
 
@@ -57,7 +60,7 @@ class Surface:
     where it begins. outline (k, 2): closed outline of the body, which tells how deep the solid is below an open chain
     or behind the wall of a hole; without it, as deep as the chain or hole is large. mirrored: whether the body is the
     half section of a solid of revolution, which goes on beyond an end of a chain on its axis, y = 0. goes_over: whether
-    another surface goes on smoothly at both ends of an open chain, so that no corner is there to be touched.
+    another surface goes on smoothly at both ends of an open chain or arc, so that no corner is there to be touched.
     wall [m]: thickness of the solid behind the wall of a hole, where another hole is nearer than the outline.
     """
 
@@ -76,6 +79,21 @@ class Surface:
         """Whether the solid goes on beyond the beginning and the end of an open chain, though the chain does not."""
         first, last = (float(self.points[k].place[1]) == 0.0 for k in (0, -1))
         return self.mirrored and first, self.mirrored and last
+
+    def ends(self) -> tuple[MaterialPoint, ...]:
+        """Corners at the beginning and the end of an open arc, carried by the material at its centre; else none."""
+        if self.kind not in (Kind.ARC, Kind.HOLE) or self.goes_over or self.extent >= WHOLE:
+            return ()
+        angles = (self.start, self.start + self.extent)
+        offsets = [self.radius * np.array([math.cos(angle), math.sin(angle)]) for angle in angles]
+        return carried(self.points[0], offsets[0]), carried(self.points[0], offsets[1])
+
+    @property
+    def rank(self) -> int:
+        """Order of node sides: of two surfaces, the lower one is the node side; see :data:`BOTH`."""
+        if self.kind is Kind.HOLE:
+            return OPEN_HOLE if self.ends() else NO_NODE
+        return RANK.get(self.kind, NO_NODE)
 
     def can_touch(self, other: Surface) -> bool:
         """See :func:`can_touch`."""
@@ -96,7 +114,7 @@ class Surface:
 
     def node_sides(self) -> str:
         """What can be a node side, in words."""
-        return "a node, disc, solid arc or chain, and no node for the other one"
+        return "a node, disc, arc or chain, and no node for the other one"
 
 
 def node(point: MaterialPoint, radius: float = 0.0) -> Surface:
@@ -114,9 +132,14 @@ def hole(center: MaterialPoint, radius: float) -> Surface:
     return Surface(Kind.HOLE, (center,), radius)
 
 
-def arc(center: MaterialPoint, radius: float, start: float, extent: float, hole: bool = False) -> Surface:
-    """Part of a circle from the angle ``start`` over ``extent`` [rad], body frame; solid inside; ``hole``: outside."""
-    return Surface(Kind.HOLE if hole else Kind.ARC, (center,), radius, start, extent)
+def arc(
+    center: MaterialPoint, radius: float, start: float, extent: float, hole: bool = False, goes_over: bool = False
+) -> Surface:
+    """Part of a circle from the angle ``start`` over ``extent`` [rad], body frame; solid inside; ``hole``: outside.
+
+    Its ends are corners, unless it ``goes_over`` to other surfaces there.
+    """
+    return Surface(Kind.HOLE if hole else Kind.ARC, (center,), radius, start, extent, goes_over=goes_over)
 
 
 def half_plane(point: MaterialPoint, normal: npt.ArrayLike) -> Surface:
@@ -194,7 +217,9 @@ def on_body(surface: Surface, outline: Outline, mirrored: bool = False) -> Surfa
 
 
 RANK = {Kind.NODE: 0, Kind.CIRCLE: 1, Kind.ARC: 2, Kind.CHAIN: 3}  # the lower is the node side; others are none
-NO_NODE = len(RANK)
+BOTH = RANK[Kind.CHAIN]  # of two surfaces of this rank or the next, corners of each may touch the other
+OPEN_HOLE = BOTH + 1  # part of a hole, whose ends are corners
+NO_NODE = OPEN_HOLE + 1
 
 
 def can_touch(a: Surface, b: Surface) -> bool:
@@ -204,4 +229,4 @@ def can_touch(a: Surface, b: Surface) -> bool:
 
 def can_be_node_side(node_side: Surface, other: Surface) -> bool:
     """Whether ``node_side`` has material points that may touch others, and ``other`` features to be touched."""
-    return node_side.kind in RANK and other.kind is not Kind.NODE
+    return node_side.rank != NO_NODE and other.kind is not Kind.NODE

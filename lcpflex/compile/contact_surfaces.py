@@ -8,7 +8,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from lcpflex.bodies.surface import NO_NODE, RANK, Kind, Surface, can_touch
+from lcpflex.bodies.body import MaterialPoint
+from lcpflex.bodies.surface import BOTH, NO_NODE, Kind, Surface, can_touch
 from lcpflex.contact.depth_bounds import below_chain, below_hole, is_solid
 from lcpflex.contact.feature_blocks import Feature, blocks_of
 from lcpflex.contact.narrow_phase.feature import ARC, SEGMENT, VERTEX
@@ -42,7 +43,7 @@ def compile_surfaces(
     features: list[Feature] = []
     node_start, feature_start = [0], [0]
     for body, surface in surfaces:
-        indices = [points.add(body, p.place, p.phi, p.psi) for p in surface.points]
+        indices = [points.add(body, p.place, p.phi, p.psi) for p in (*surface.points, *surface.ends())]
         nodes += _nodes(surface, indices)
         features += _features(surface, indices, len(features))
         node_start.append(len(nodes))
@@ -95,9 +96,9 @@ def _passes(surfaces: Sequence[tuple[int, Surface]], a: int, b: int, node_side: 
         )
     if node_side is not None:
         return [(node_side, a + b - node_side)]
-    if first.kind is Kind.CHAIN and second.kind is Kind.CHAIN:
+    if BOTH <= first.rank < NO_NODE and BOTH <= second.rank < NO_NODE:
         return [(a, b), (b, a)]
-    return [(a, b) if RANK.get(first.kind, NO_NODE) <= RANK.get(second.kind, NO_NODE) else (b, a)]
+    return [(a, b) if first.rank <= second.rank else (b, a)]
 
 
 def _segments(surface: Surface) -> tuple[FloatArray, FloatArray]:
@@ -110,10 +111,12 @@ def _segments(surface: Surface) -> tuple[FloatArray, FloatArray]:
 def _nodes(surface: Surface, indices: list[int]) -> list[tuple[int, float, FloatArray]]:
     """(point, radius, mean outward normal) of what may touch other surfaces.
 
-    The end of an open chain is a right-angled corner of the solid.
+    The end of an open chain is a right-angled corner of the solid. That of an arc touches whatever the arc itself does
+    not, on the side that it ends at: the outward direction along the arc stands for its normal.
     """
-    if surface.kind in (Kind.NODE, Kind.CIRCLE, Kind.ARC):
-        return [(indices[0], surface.radius, np.zeros(2))]
+    if surface.kind in (Kind.NODE, Kind.CIRCLE, Kind.ARC, Kind.HOLE):
+        own = [] if surface.kind is Kind.HOLE else [(indices[0], surface.radius, np.zeros(2))]
+        return own + [(index, 0.0, _end_direction(surface, at)) for at, index in enumerate(indices[1:])]
     if surface.kind is not Kind.CHAIN:
         return []
     _, steps = _segments(surface)
@@ -131,6 +134,13 @@ def _nodes(surface: Surface, indices: list[int]) -> list[tuple[int, float, Float
     return [(index, 0.0, mean) for index, mean in zip(indices, means, strict=True)]
 
 
+def _end_direction(surface: Surface, at: int) -> FloatArray:
+    """The direction in which an arc would go on beyond its beginning (0) or its end (1)."""
+    angle = surface.start + at * surface.extent
+    along = np.array([-math.sin(angle), math.cos(angle)])
+    return along if at == 1 else -along
+
+
 def _features(surface: Surface, indices: list[int], first: int) -> list[Feature]:
     """What others may touch; ``first``: index that the first feature gets."""
     if surface.kind is Kind.NODE:
@@ -144,7 +154,15 @@ def _features(surface: Surface, indices: list[int], first: int) -> list[Feature]
     reach = _hole_depth(surface) if surface.kind is Kind.HOLE else math.inf
     span = (surface.start, surface.extent)
     pair = (indices[0], indices[0])
-    return [Feature(ARC, pair, circle, (0.0, 0.0), surface.radius * sense, sense, (reach, reach, reach), span)]
+    own = Feature(ARC, pair, circle, (0.0, 0.0), surface.radius * sense, sense, (reach, reach, reach), span)
+    ends = zip(surface.ends(), indices[1:], ((-1, first), (first, -1)), strict=False)
+    return [own, *(_corner(point, index, meeting) for point, index, meeting in ends)]
+
+
+def _corner(point: MaterialPoint, index: int, meeting: tuple[int, int]) -> Feature:
+    """A vertex; ``meeting``: the features that end and begin there, -1 for none."""
+    circle = (float(point.place[0]), float(point.place[1]), 0.0)
+    return Feature(VERTEX, (index, index), circle, span=(0.0, 2.0 * math.pi), neighbour=meeting)
 
 
 def _chain_features(surface: Surface, indices: list[int], first: int) -> list[Feature]:
@@ -184,11 +202,8 @@ def _chain_features(surface: Surface, indices: list[int], first: int) -> list[Fe
                 continue  # hollow: the two segments hold the node between them
         elif surface.goes_over:
             continue
-        meeting = tuple(first + i if i >= 0 else -1 for i in (before, after))
-        x, y = surface.points[v].place
-        corner = Feature(VERTEX, (indices[v], indices[v]), (float(x), float(y), 0.0), span=(0.0, 2.0 * math.pi))
-        corner.neighbour = (meeting[0], meeting[1])
-        features.append(corner)
+        meeting = (first + before if before >= 0 else -1, first + after if after >= 0 else -1)
+        features.append(_corner(surface.points[v], indices[v], meeting))
     return features
 
 

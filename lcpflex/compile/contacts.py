@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from lcpflex.bodies.surface import NO_NODE, RANK
 from lcpflex.compile.assembly import Assembly
 from lcpflex.compile.contact_surfaces import compile_surfaces
 from lcpflex.model.arrays import Contacts, frozen
@@ -48,7 +47,7 @@ def _with_rule(contacts: Contacts, rule: KeptRule, before: int) -> Contacts:
     """The arrays with a rule for the first surfaces, whose law is the last one."""
     numbers = rule.rule
     barred = np.array(rule.barred, dtype=np.int64).reshape(-1, 2)
-    ranks = [RANK.get(surface.shape.kind, NO_NODE) for surface in rule.surfaces]
+    ranks = [surface.shape.rank for surface in rule.surfaces]
     return contacts._replace(
         friction=frozen([*contacts.friction, numbers.friction]),
         restitution=frozen([*contacts.restitution, numbers.restitution]),

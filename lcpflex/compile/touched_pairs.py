@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.bodies.surface import BOTH, NO_NODE
 from lcpflex.compile.compiled_scene import CompiledScene
-from lcpflex.contact.rule_pairs import CHAIN, TOUCHES
+from lcpflex.contact.rule_pairs import TOUCHES
 from lcpflex.jit.kernel import IntArray
 from lcpflex.model.arrays import frozen
 
@@ -82,7 +83,8 @@ def _passes(contacts: Any, i: int, j: int) -> list[tuple[int, int, int]]:
         found = passes_of(kinds, deform, (sizes[0], sizes[1]))
         return [((i, j)[one.node_side], (i, j)[one.touched], one.mode) for one in found]
     first = (i, j, 0) if rank[i] <= rank[j] else (j, i, 0)
-    return [first, (j, i, 0)] if rank[i] == CHAIN and rank[j] == CHAIN else [first]
+    both = BOTH <= rank[i] < NO_NODE and BOTH <= rank[j] < NO_NODE
+    return [first, (j, i, 0)] if both else [first]
 
 
 def _can_touch(contacts: Any, i: int, j: int) -> bool:

@@ -155,14 +155,15 @@ def collect(
     """Candidates of one node of surface a, at most ``highest`` above a feature, from entry n on; returns the count.
 
     (x, y): place of the node, undeformed, in the frame of the features. A candidate that looks the node's way is
-    marked as BESIDE: it is none, but tells that the node is outside. So is a vertex near a point: they cannot touch.
+    marked as BESIDE: it is none, but tells that the node is outside; so is what faces the mouth of an arc, and a vertex
+    near a point: they cannot touch.
     """
     c = model.contacts
     deflection = table.bound[b, 2]
     reach = max(highest, 0.0) + table.bound[a, 2] + deflection
     cos = table.frame[0]
     sin = table.frame[1]
-    directed = c.node_normal[node, 0] != 0.0 or c.node_normal[node, 1] != 0.0
+    directed = c.node_normal[node, 0] != 0.0 or c.node_normal[node, 1] != 0.0 or c.node_span[node, 1] < 2.0 * math.pi
     point = c.node_radius[node] == 0.0
     sunk = False
     placed = False

@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.bodies.surface import NO_NODE, RANK, Kind
+from lcpflex.bodies.surface import BOTH, NO_NODE, RANK, Kind
 from lcpflex.jit.kernel import IntArray, kernel
 from lcpflex.jit.struct import allocate, array, put_array, struct
 from lcpflex.model.arrays import Contacts, Model, empty, frozen
 
 __all__ = [
-    "CHAIN",
     "MORE_LAWS",
     "RulePairs",
     "TOUCHES",
@@ -36,9 +35,9 @@ FOUND = 32  # near pairs that have room, for each surface: where they are more, 
 LEVELS = 2200  # powers of two that a float may have
 FIRST_MULTIPLIER = 73_856_093  # of hashes: large odd numbers
 SECOND_MULTIPLIER = 19_349_669
-POINT, CHAIN = RANK[Kind.NODE], RANK[Kind.CHAIN]
+POINT = RANK[Kind.NODE]
 TOUCHES = np.array(  # by ranks: whether nodes of the one may touch features of the other, which a point has not
-    [[a != NO_NODE and b != POINT for b in (*RANK.values(), NO_NODE)] for a in (*RANK.values(), NO_NODE)]
+    [[a != NO_NODE and b != POINT for b in range(NO_NODE + 1)] for a in range(NO_NODE + 1)]
 )
 
 
@@ -159,10 +158,10 @@ def may_meet(model: Model, i: int, j: int) -> bool:
 @kernel
 def is_node_side(model: Model, a: int, b: int) -> bool:
     """Whether nodes of surface a of the rule may touch surface b: each of two chains is the node side of the other."""
-    rank = model.contacts.rule_rank
-    if rank[a] == rank[b]:
-        return rank[a] == CHAIN or a < b
-    return rank[a] < rank[b]
+    first, second = model.contacts.rule_rank[a], model.contacts.rule_rank[b]
+    if BOTH <= first < NO_NODE and BOTH <= second < NO_NODE:
+        return True
+    return a < b if first == second else first < second
 
 
 @kernel

@@ -102,7 +102,8 @@ class Placed(PlacedBody):
     def arc(self, center: Place, radius: float, start: float, extent: float, hole: bool = False) -> PlacedSurface:
         """Part of a circle, counter-clockwise from the angle ``start`` over ``extent`` in (0, 2 pi] [rad].
 
-        Solid inside, or outside with ``hole``, as at the end of a slot.
+        Solid inside, up to the centre, or outside with ``hole``, as at the end of a slot. The ends of an open arc are
+        corners: they touch what corners of chains touch, and are touched by discs.
         """
         start = in_range("start", start, -math.inf, math.inf)
         hole = flag("hole", hole)

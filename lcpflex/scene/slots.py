@@ -108,8 +108,8 @@ def curved_slot(body: Placed, center: Place, radius: float, width: float, start:
     if between <= 0.0:
         raise ModelError(f"extent: {shown(extent)} was given, expected less: the ends of the slot run into each other")
 
-    inner = partial(shapes.arc, radius=middle - half, start=begin, extent=turn)
-    outer = partial(shapes.arc, radius=middle + half, start=begin, extent=turn, hole=True)
+    inner = partial(shapes.arc, radius=middle - half, start=begin, extent=turn, goes_over=True)
+    outer = partial(shapes.arc, radius=middle + half, start=begin, extent=turn, hole=True, goes_over=True)
     cap = partial(_cap, middle=middle, half=half, wall=between)
     return Slot(
         body.made_of("inner", (center,), inner),
@@ -123,7 +123,8 @@ def curved_slot(body: Placed, center: Place, radius: float, width: float, start:
 def _cap(at: MaterialPoint, middle: float, half: float, wall: float, angle: float, opening: float) -> Surface:
     """The end of a curved slot about ``at`` whose middle line has the radius ``middle``."""
     offset = middle * np.array([math.cos(angle), math.sin(angle)])
-    return replace(shapes.arc(shapes.carried(at, offset), half, opening, math.pi, hole=True), wall=wall)
+    end = shapes.arc(shapes.carried(at, offset), half, opening, math.pi, hole=True, goes_over=True)
+    return replace(end, wall=wall)
 
 
 def straight_slot(body: Placed, first: Place, last: Place, width: float) -> Slot:
@@ -149,7 +150,8 @@ def _side(a: MaterialPoint, b: MaterialPoint, half: float) -> Surface:
 def _straight_cap(a: MaterialPoint, b: MaterialPoint, half: float) -> Surface:
     """The end of a straight slot about b."""
     along = _direction(a, b)
-    return shapes.arc(b, half, math.atan2(along[1], along[0]) - 0.5 * math.pi, math.pi, hole=True)
+    opening = math.atan2(along[1], along[0]) - 0.5 * math.pi
+    return shapes.arc(b, half, opening, math.pi, hole=True, goes_over=True)
 
 
 def _direction(a: MaterialPoint, b: MaterialPoint) -> FloatArray:

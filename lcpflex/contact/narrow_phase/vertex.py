@@ -1,4 +1,4 @@
-"""A vertex of a chain: where two segments meet in a bulge, or one ends. An arc of radius 0 that the segments bound."""
+"""A vertex: where two segments of a chain meet in a bulge, or one or an arc ends: an arc of radius 0 bound by them."""
 
 from __future__ import annotations
 
@@ -15,6 +15,18 @@ __all__ = ["over_vertex", "vertex_margin"]
 
 
 @kernel
+def beyond_arc(vx: float, vy: float, ox: float, oy: float, x: float, y: float, ends: bool) -> float:
+    """Sine of the angle about o by which (x, y) is beyond the end v of an arc, or before its beginning."""
+    ex = vx - ox
+    ey = vy - oy
+    dx = x - ox
+    dy = y - oy
+    turn = ex * dy - ey * dx
+    reach = math.hypot(ex, ey) * math.hypot(dx, dy)
+    return (turn if ends else -turn) / max(reach, COINCIDENT * COINCIDENT)
+
+
+@kernel
 def in_wedge(model: Model, q: FloatArray, f: int, x: float, y: float) -> bool:
     """Whether a node at (x, y), in the frame of its body, lies beyond both segments that meet in the vertex f."""
     c = model.contacts
@@ -23,6 +35,10 @@ def in_wedge(model: Model, q: FloatArray, f: int, x: float, y: float) -> bool:
     vx, vy = local_place(model.bodies, model.points, q, c.feature_point[f, 0])
     nx = 0.0
     ny = 0.0
+    arc = max(before, after)
+    if arc >= 0 and c.feature_radius[arc] != 0.0:  # segments have none
+        ox, oy = local_place(model.bodies, model.points, q, c.feature_point[arc, 0])
+        return beyond_arc(vx, vy, ox, oy, x, y, before >= 0) > WIDEN
     if before >= 0:
         ax, ay = local_place(model.bodies, model.points, q, c.feature_point[before, 0])
         s, _, nx, ny = foot(ax, ay, vx, vy, x, y)
@@ -56,17 +72,21 @@ def over_vertex(
 
 @kernel
 def vertex_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
-    """How far the node of entry k is inside the wedge of its vertex, in lengths of the segments that meet there."""
+    """How far the node of entry k is inside the wedge of its vertex, in lengths of the segments that meet there.
+
+    At the end of an arc, in the sine of the angle beyond it.
+    """
     px, py = point_position(model.bodies, model.points, q, table.node[k])
     x, y = point_position(model.bodies, model.points, q, table.a[k])
-    px -= x
-    py -= y
     margin = math.inf
     f = table.key[k] % len(model.contacts.feature_kind)
     for side in range(2):
         neighbour = model.contacts.feature_neighbour[f, side]
+        if neighbour >= 0 and model.contacts.feature_radius[neighbour] != 0.0:
+            ox, oy = point_position(model.bodies, model.points, q, model.contacts.feature_point[neighbour, 0])
+            return beyond_arc(x, y, ox, oy, px, py, side == 0)
         if neighbour >= 0:
             far = model.contacts.feature_point[neighbour, side]
             ax, ay = point_position(model.bodies, model.points, q, far)
-            margin = min(margin, (px * (x - ax) + py * (y - ay)) / ((x - ax) ** 2 + (y - ay) ** 2))
+            margin = min(margin, ((px - x) * (x - ax) + (py - y) * (y - ay)) / ((x - ax) ** 2 + (y - ay) ** 2))
     return margin

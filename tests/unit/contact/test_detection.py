@@ -9,7 +9,7 @@ import pytest
 
 from lcpflex.bodies import surface as shapes
 from lcpflex.contact.detection import detect
-from lcpflex.contact.narrow_phase.feature import refresh
+from lcpflex.contact.narrow_phase.feature import ARC, VERTEX, refresh
 
 PI = math.pi
 UP = (0.0, 1.0)
@@ -295,7 +295,7 @@ def test_the_corners_of_a_box_in_a_hole(tools):
 
 @pytest.mark.parametrize("turned", [0.0, 1.0, -4.0, 20.0])
 @pytest.mark.parametrize("hole", [False, True])
-def test_the_ends_of_an_arc_turn_with_its_material(tools, turned, hole):
+def test_an_arc_turns_with_the_material_at_its_centre(tools, turned, hole):
     center = tools.place(0.0, 0.0, np.zeros((1, 2)), np.array([2.0]))
     model = tools.pair(disc(tools, 0.1), shapes.arc(center, 1.0, 0.5, 2.0, hole), 0, 1, (0, 1))
     D = 0.9 if hole else 1.1
@@ -310,6 +310,12 @@ def test_the_ends_of_an_arc_turn_with_its_material(tools, turned, hole):
     ]:
         world = angle + turned + 2.0 * 0.05
         found = tools.find(model, [D * math.cos(world), D * math.sin(world), 0, 0, 0, turned, 0.05])
+        end = (0.5 if angle < 1.0 else 2.5) + turned
+        x, y = math.cos(end) - 0.1 * math.sin(end), math.sin(end) + 0.1 * math.cos(end)  # carried: linear in q
+        gap = math.hypot(D * math.cos(world) - x, D * math.sin(world) - y) - 0.1
+        corners = [contact.gap for contact in found if contact.kind == VERTEX]
+        assert corners == ([] if inside or gap > 0.0 else [pytest.approx(gap, abs=1e-12)])
+        found = [contact for contact in found if contact.kind == ARC]
         assert len(found) == inside
         for contact in found:
             sense = -1.0 if hole else 1.0
