@@ -1,0 +1,102 @@
+"""What is true of a random scene, and how long: two references that agree.
+
+Event-driven stepping at a tolerance of 1e-12 against another method; where it does not come far, two others.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+import lcpflex as lf
+from lcpflex.results.energy_balance import EnergyGrowth
+from lcpflex.runs.setup import Options, compiled_for, set_up
+from lcpflex.runs.simulate import carry_out
+from tests.property.built_scenes import build, references
+from tests.property.random_scenes import Drawn
+from tests.property.seen import Seen
+
+__all__ = ["AGREED", "LEAST", "Truth", "interpolated", "largest", "reference_runs", "truth_of"]
+
+Array = npt.NDArray[np.float64]
+
+AGREED = 2e-3  # of the size: references that differ by more tell no truth any longer
+LEAST = 0.2  # [s] of truth that a scene must have to be judged
+INSTANTS = 4000  # stored of a reference: between them it is taken as linear
+GRID = 400  # instants at which references are compared
+PATIENCE = 20.0  # [s] of computing for a reference: a scene that takes more is not judged
+STILL = 1e-3  # of the size in the duration: what moves no faster is at rest, and rounding as fast
+
+
+@dataclass(frozen=True)
+class Truth:
+    """A reference with the time up to which another one agrees with it."""
+
+    first: lf.Result
+    second: lf.Result
+    until: float
+    size: float  # [m] extent of the largest body, or the largest travel of a place
+    speed: float  # [m/s] the largest of a place
+
+
+def interpolated(times: Array, values: Array, at: Array) -> Array:
+    """Linear between stored instants; of two at the same time the later one."""
+    k = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 2)
+    step = times[k + 1] - times[k]
+    share = np.where(step > 0.0, (at - times[k]) / np.where(step > 0.0, step, 1.0), 0.0)
+    share = np.clip(share, 0.0, 1.0)[:, None]
+    return np.asarray((1.0 - share) * values[k] + share * values[k + 1])
+
+
+def largest(vectors: Array) -> Array:
+    """Largest length of (m, p, d) at each instant (m,)."""
+    return np.asarray(np.sqrt((vectors * vectors).sum(-1)).max(-1))
+
+
+def truth_of(drawn: Drawn, first: lf.Result, second: lf.Result) -> Truth:
+    """The first of two references, and how long it holds."""
+    seen = Seen(drawn, first)
+    grid = np.linspace(0.0, drawn.duration, GRID + 1)
+    q, p = (interpolated(r.times, r.q, grid) for r in (first, second))
+    places = seen.places(q)
+    far = np.maximum.accumulate(largest(places - places[0]))
+    known = largest(places - seen.places(p)) <= AGREED * np.maximum(seen.extent, far)
+    known &= grid <= min(first.times[-1], second.times[-1])
+    last = len(grid) - 1 if known.all() else int(np.argmin(known)) - 1
+    held = grid <= grid[max(last, 0)]
+    rates = seen.rates(q[held], interpolated(first.times, first.u, grid[held]))
+    size = max(seen.extent, float(far[held].max()))
+    speed = max(float(largest(rates).max()), STILL * size / drawn.duration)
+    return Truth(first, second, float(grid[held][-1]), size, speed)
+
+
+def reference_runs(drawn: Drawn) -> tuple[lf.Result, lf.Result] | str:
+    """The first two references that come as far as a truth must; or why there are none."""
+    found: list[lf.Result] = []
+    why = ""
+    for stepper in references(drawn):
+        if len(found) == 2:
+            break
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            result, said = _carried(drawn, stepper)
+        if result is None or len(result.times) < 2 or result.times[-1] < LEAST or not np.isfinite(result.q).all():
+            why += f"{type(stepper).__name__}: {said or 'it came to nothing'}; "
+        else:
+            found.append(result)
+    return (found[0], found[1]) if len(found) == 2 else why
+
+
+def _carried(drawn: Drawn, stepper: object) -> tuple[lf.Result | None, str]:
+    """As far as it comes, and what it says where it stops."""
+    try:
+        source = compiled_for(build(drawn, exact=True), stepper, True)  # type: ignore[arg-type]
+        options = Options(drawn.duration, drawn.duration / INSTANTS, True, EnergyGrowth.WARN)
+        return carry_out(set_up(source, stepper, options, None), False, seconds=PATIENCE), ""  # type: ignore[arg-type]
+    except lf.StepError as error:
+        return error.result, str(error)
+    except lf.LcpflexError as error:
+        return None, f"{type(error).__name__}: {error}"
