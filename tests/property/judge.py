@@ -24,10 +24,11 @@ import numpy.typing as npt
 import lcpflex as lf
 from lcpflex.results.stated_error import error_shares
 from lcpflex.results.summary import doubts
-from tests.property.built_scenes import build, stepper_of
+from lcpflex.runs.limits import TOO_LATE
+from tests.property.built_scenes import stepper_of
 from tests.property.random_scenes import Drawn
 from tests.property.seen import Seen
-from tests.property.truths import LEAST, Truth, interpolated, largest, reference_runs, truth_of
+from tests.property.truths import LEAST, PATIENCE, Truth, carried, interpolated, largest, reference_runs, truth_of
 
 __all__ = ["ALARMS", "JUDGED", "OFF", "RIGHT", "WRONG", "Errors", "Verdict", "alarms", "judge", "judge_result", "quiet"]
 
@@ -71,7 +72,7 @@ class Verdict:
     dimension: int
     seed: int
     kind: str
-    outcome: str  # one of JUDGED, or: no truth, refused
+    outcome: str  # one of JUDGED, or: no truth, refused, slow
     stepper: str
     truth: float = 0.0  # [s]
     errors: Errors = Errors()
@@ -153,22 +154,18 @@ def judge(drawn: Drawn) -> Verdict:
         errors = errors or Errors()
         return Verdict(drawn.dimension, drawn.seed, drawn.kind, outcome, stepper, until, errors, said[:600], spent)
 
-    ended, result = "", None
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        try:
-            result = lf.simulate(build(drawn), drawn.duration, stepper_of(drawn), project=True, progress=False)
-        except lf.StepError as error:
-            ended = f"{type(error).__name__}: {error}"
-        except lf.LcpflexError as error:
-            return verdict("refused", f"{type(error).__name__}: {error}")
+        result, ended = carried(drawn, stepper_of(drawn), 3.0 * PATIENCE)
+    if result is None or TOO_LATE in ended:
+        return verdict("slow" if result else "refused", ended)
     found = reference_runs(drawn)
     if isinstance(found, str):
         return verdict("no truth", found)
     truth = truth_of(drawn, *found)
     if truth.until < LEAST:
         return verdict("no truth", ended, truth.until)
-    if result is None:
+    if ended:
         return verdict("stopped", ended, truth.until)
     told = [f"{w.message}" for w in caught if issubclass(w.category, lf.ModelWarning)]
     errors = judge_result(drawn, result, truth)

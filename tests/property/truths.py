@@ -13,13 +13,14 @@ import numpy.typing as npt
 
 import lcpflex as lf
 from lcpflex.results.energy_balance import EnergyGrowth
+from lcpflex.runs.request import checked_request
 from lcpflex.runs.setup import Options, compiled_for, set_up
 from lcpflex.runs.simulate import carry_out
 from tests.property.built_scenes import build, references
 from tests.property.random_scenes import Drawn
 from tests.property.seen import Seen
 
-__all__ = ["AGREED", "LEAST", "Truth", "interpolated", "largest", "reference_runs", "truth_of"]
+__all__ = ["AGREED", "LEAST", "PATIENCE", "Truth", "carried", "interpolated", "largest", "reference_runs", "truth_of"]
 
 Array = npt.NDArray[np.float64]
 
@@ -82,7 +83,7 @@ def reference_runs(drawn: Drawn) -> tuple[lf.Result, lf.Result] | str:
             break
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            result, said = _carried(drawn, stepper)
+            result, said = carried(drawn, stepper, PATIENCE, drawn.duration / INSTANTS, exact=True)
         if result is None or len(result.times) < 2 or result.times[-1] < LEAST or not np.isfinite(result.q).all():
             why += f"{type(stepper).__name__}: {said or 'it came to nothing'}; "
         else:
@@ -90,13 +91,18 @@ def reference_runs(drawn: Drawn) -> tuple[lf.Result, lf.Result] | str:
     return (found[0], found[1]) if len(found) == 2 else why
 
 
-def _carried(drawn: Drawn, stepper: object) -> tuple[lf.Result | None, str]:
-    """As far as it comes, and what it says where it stops."""
+def carried(
+    drawn: Drawn, stepper: object, seconds: float, interval: float | None = None, exact: bool = False
+) -> tuple[lf.Result | None, str]:
+    """A run as far as it comes in so many seconds, and what it says where it stops; no result where it is refused."""
     try:
-        source = compiled_for(build(drawn, exact=True), stepper, True)  # type: ignore[arg-type]
-        options = Options(drawn.duration, drawn.duration / INSTANTS, True, EnergyGrowth.WARN)
-        return carry_out(set_up(source, stepper, options, None), False, seconds=PATIENCE), ""  # type: ignore[arg-type]
+        source = compiled_for(build(drawn, exact), stepper, True)  # type: ignore[arg-type]
+        duration, interval, _, _ = checked_request(
+            drawn.duration, stepper, interval, False, True, EnergyGrowth.WARN, None
+        )
+        options = Options(duration, interval, True, EnergyGrowth.WARN)
+        return carry_out(set_up(source, stepper, options, None), False, seconds=seconds), ""  # type: ignore[arg-type]
     except lf.StepError as error:
-        return error.result, str(error)
+        return error.result, f"{type(error).__name__}: {error}"
     except lf.LcpflexError as error:
         return None, f"{type(error).__name__}: {error}"
