@@ -98,7 +98,8 @@ def array_of(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray[Any, n
     if array.shape != shape and (
         array.ndim != len(shape) or any(n not in (-1, have) for have, n in zip(array.shape, shape, strict=True))
     ):
-        wanted = "(" + ", ".join("any" if length < 0 else str(length) for length in shape) + ")"
+        lengths = ", ".join("any" if length < 0 else str(length) for length in shape)
+        wanted = "(n,)" if shape == (-1,) else f"({lengths})"
         raise ModelError(f"{name}: an array of shape {array.shape} was given, expected shape {wanted}")
     finite = np.isfinite(array)
     if not finite.all():

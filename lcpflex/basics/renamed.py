@@ -32,6 +32,7 @@ MODULES = {  # and what is in them
     "lcpflex.result": "lcpflex.results.result",
     "lcpflex.simulate": "lcpflex.runs.simulate",
     "lcpflex.slots": "lcpflex.scene.slots",
+    "lcpflex.summary": "lcpflex.results.summary",
     "lcpflex.solvers.files": "lcpflex.solvers.benchmark.files",
     "lcpflex.solvers.friction": "lcpflex.solvers.contact.problem",
     "lcpflex.solvers.gallery": "lcpflex.solvers.benchmark.gallery",

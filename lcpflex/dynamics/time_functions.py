@@ -10,6 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from lcpflex.basics.attributes import NamesNearest
 from lcpflex.bodies.body import MaterialPoint
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.dynamics.compiled_function import (
@@ -81,7 +82,7 @@ class Materials:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class State:
+class State(NamesNearest):
     """The state that a Python force is asked at; nothing in it may be changed.
 
     Places and velocities are in world axes [m], [m/s]; q and u are laid out as told in :mod:`lcpflex.model.arrays`.

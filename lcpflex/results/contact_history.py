@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lcpflex.basics.attributes import NamesNearest
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import OPEN, SLIP, STICK
@@ -76,7 +77,7 @@ class ContactPoints:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class ContactHistory:
+class ContactHistory(NamesNearest):
     """One declared contact over the m stored instants."""
 
     name: str

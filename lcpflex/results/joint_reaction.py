@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lcpflex.basics.arguments import absent
+from lcpflex.basics.attributes import NamesNearest
 from lcpflex.errors import ModelError
 from lcpflex.kinematics.spatial.frames import rotated
 from lcpflex.model.coordinates import ANGULAR, COMPONENT, DISTANCE
@@ -28,7 +29,7 @@ __all__ = ["JointReaction", "joint_reaction"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class JointReaction:
+class JointReaction(NamesNearest):
     """What a joint does to the body of its first point P, at P; the body of Q bears the opposite at the same place.
 
     With the multiplier lambda of a row c of the joint (:mod:`lcpflex.kinematics.relative`), the power of the joint is

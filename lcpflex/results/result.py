@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.basics.arguments import absent
+from lcpflex.basics.attributes import NamesNearest
 from lcpflex.basics.lazy import attach
 from lcpflex.basics.renamed import renamed_property
 from lcpflex.compile.coordinates import coordinate_names, velocity_names
@@ -71,7 +72,7 @@ __getattr__, __dir__ = attach(__name__)  # classes of what the methods return
 
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
-class Result:
+class Result(NamesNearest):
     """A simulation at m stored instants, with nc declared contacts and ndof coordinates.
 
     The layout of ``q`` and ``u`` is that of :mod:`lcpflex.model.arrays`: per body x, y, angle and its modal

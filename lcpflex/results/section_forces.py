@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from lcpflex.basics.arguments import absent, numbers
+from lcpflex.basics.attributes import NamesNearest
 from lcpflex.bodies.fem.line_elements import LineModes, interpolate
 from lcpflex.errors import ModelError, shown
 from lcpflex.model.arrays import Model
@@ -39,7 +40,7 @@ ON = 1e-9  # of the length: a load so near to a section is at it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SectionForces:
+class SectionForces(NamesNearest):
     """What the part of a beam beyond a section does to the part before it, in the axes of the deflected section.
 
     From the equilibrium of the part beyond, with its inertia, weight, loads, springs, contacts and joints; see

@@ -10,6 +10,7 @@ import numpy as np
 
 from lcpflex.basics import libs
 from lcpflex.basics.arguments import absent
+from lcpflex.basics.attributes import NamesNearest
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 
@@ -17,7 +18,7 @@ __all__ = ["SensorHistory", "named_sensor"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SensorHistory:
+class SensorHistory(NamesNearest):
     """Measurements of one sensor.
 
     Attributes

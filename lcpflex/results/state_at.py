@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.basics.arguments import flag
+from lcpflex.basics.attributes import NamesNearest
 from lcpflex.errors import ModelError, in_range
 from lcpflex.model.arrays import OPEN
 from lcpflex.model.planar import N_RIGID
@@ -37,7 +38,7 @@ ROUNDING = 1e-9  # of places and of the fastest motion: what drift and rounding 
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class StateAt:
+class StateAt(NamesNearest):
     """The state at one time: nc contacts, nj joints, ndof coordinates, as in :class:`lcpflex.Result`.
 
     Attributes

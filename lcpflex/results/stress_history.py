@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import numpy as np
 
 from lcpflex.basics.arguments import flag, whole_number
+from lcpflex.basics.attributes import NamesNearest
 from lcpflex.bodies.reduction.mesh_stress import MeshStress
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.model.planar import N_RIGID
@@ -67,7 +68,7 @@ class Recovery(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class StressHistory:
+class StressHistory(NamesNearest):
     """Stresses of a body over the stored instants; nothing is computed before it is asked for.
 
     Of a mesh: at its nodes, from displacements

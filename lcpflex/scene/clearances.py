@@ -122,8 +122,8 @@ def revolute_with_clearance(
             f"{size - pin:.6g} m"
         )
     return scene.contact(
-        scene.holder(Q.body).circle(Q, pin),
-        scene.holder(P.body).hole(P, size),
+        scene._holder(Q.body).circle(Q, pin),
+        scene._holder(P.body).hole(P, size),
         friction,
         restitution,
         tangential_restitution,
@@ -162,6 +162,6 @@ def _seen(scene: Scene, body: int, point: MaterialPoint, other: int) -> FloatArr
 
 def _frame(scene: Scene, body: int) -> tuple[FloatArray, FloatArray]:
     """Initial configuration of a body, and the turn of its frame."""
-    q = np.zeros(N_RIGID) if body < 0 else scene.holder(body).start[0]
+    q = np.zeros(N_RIGID) if body < 0 else scene._holder(body).start[0]
     cos, sin = math.cos(q[2]), math.sin(q[2])
     return q, np.array([[cos, -sin], [sin, cos]])

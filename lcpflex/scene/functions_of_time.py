@@ -31,6 +31,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics import libs
+from lcpflex.basics.arguments import numbers
 from lcpflex.basics.options import is_number, keep_number, keep_number_or_none
 from lcpflex.bodies.body import array_of
 from lcpflex.errors import ModelError, in_range, shown
@@ -71,6 +72,12 @@ class Table:
     values: npt.ArrayLike
 
     def __post_init__(self) -> None:
+        given = numbers(self.values)
+        if given is not None and given.ndim > 1:
+            raise ModelError(
+                f"Table: values: an array of shape {given.shape} was given, expected ({np.size(self.times)},), one "
+                "number for each time; each component of a vector has its own: (Table(times, x), Table(times, y))"
+            )
         for name in ("times", "values"):
             object.__setattr__(self, name, array_of(f"Table: {name}", getattr(self, name), (-1,)))
         times, values = np.asarray(self.times), np.asarray(self.values)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from operator import methodcaller
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.surface import Surface
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.scene.compiling import ReductionOrder
+    from lcpflex.scene.register import Register
     from lcpflex.scene.slots import Slot
 
 __all__ = ["Placed"]
@@ -32,11 +33,15 @@ __all__ = ["Placed"]
 Place = str | PlacedPoint | npt.ArrayLike
 
 
-class Register(Protocol):
-    """Where surfaces that are made on a body or the ground are kept: the scene."""
-
-    def keep(self, surface: PlacedSurface) -> None: ...
-    def label(self, stem: str) -> str: ...
+_KNOWN_AS = {
+    "plane": "it is spatial; in the plane half_plane(point, normal)",
+    "sphere": "it is spatial; in the plane circle(center, radius)",
+    "cylinder": "it is spatial; in the plane circle(center, radius)",
+    "capsule": "it is spatial; in the plane node(x, y, radius), or chain(places, closed=True)",
+    "box": "it is spatial; in the plane chain(places, closed=True)",
+    "hull": "it is spatial; in the plane chain(places, closed=True)",
+    "slot": "did you mean 'straight_slot' or 'curved_slot'?",
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,6 +53,7 @@ class Placed(PlacedBody):
     that cannot be.
     """
 
+    _known_as: ClassVar[Mapping[str, str]] = _KNOWN_AS
     source: Body | None = field(repr=False)  # None for the ground
     start: tuple[FloatArray, FloatArray] = field(repr=False)  # (3 + n,) configuration and velocity
     scene: Register = field(repr=False)
@@ -161,7 +167,7 @@ class Placed(PlacedBody):
             self._located(place, argument)
         return slots.straight_slot(self, first, last, width)
 
-    def made_of(self, kind: str, places: Sequence[Place], shape: Callable[..., Surface]) -> PlacedSurface:
+    def _made_of(self, kind: str, places: Sequence[Place], shape: Callable[..., Surface]) -> PlacedSurface:
         """The surface ``shape`` makes of the material points at ``places``, here and on another body: a part."""
         return self._made(
             kind,
@@ -178,8 +184,8 @@ class Placed(PlacedBody):
     def _made(self, kind: str, shape: Surface, again: Callable[[Placed], PlacedSurface]) -> PlacedSurface:
         shape = self._on_body(shape)
         disc = (shape.points[0], shape.radius) if shape.kind is shapes.Kind.CIRCLE else None
-        surface = PlacedSurface(self.scene, self.body, self.scene.label(f"{self.name}.{kind}"), shape, again, disc)
-        self.scene.keep(surface)
+        surface = PlacedSurface(self.scene, self.body, self.scene._label(f"{self.name}.{kind}"), shape, again, disc)
+        self.scene._keep(surface)
         return surface
 
     def _on_body(self, shape: Surface) -> Surface:
@@ -229,4 +235,4 @@ def _chain_again(places: Sequence[Place], closed: bool, body: Placed) -> PlacedS
 
 
 def _made_again(kind: str, places: Sequence[Place], shape: Callable[..., Surface], body: Placed) -> PlacedSurface:
-    return body.made_of(kind, [_on(place, body) for place in places], shape)
+    return body._made_of(kind, [_on(place, body) for place in places], shape)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from lcpflex.basics.attributes import NamesNearest
+
 __all__ = ["PlacedBody"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PlacedBody:
+class PlacedBody(NamesNearest):
     """A body in a scene, or its ground."""
 
     name: str

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.arguments import absent, flag, numbers, told_by
+from lcpflex.basics.arguments import absent, flag, told_by
 from lcpflex.basics.renamed import renamed_keyword
 from lcpflex.bodies.body import Body, Reducible, array_of
 from lcpflex.errors import ModelError, ModelWarning, in_range, shown
@@ -25,6 +25,7 @@ from lcpflex.scene.joints.joint import Joint
 from lcpflex.scene.loads.load import Load
 from lcpflex.scene.naming import free_name
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
+from lcpflex.scene.register import Register
 from lcpflex.scene.sensors.sensor import Sensor, check_placed_sensor
 from lcpflex.scene.substitution import exchanged
 from lcpflex.scene.user_functions import check_names, functions_of
@@ -38,7 +39,12 @@ if TYPE_CHECKING:
 __all__ = ["Scene"]
 
 
-class Scene:
+_KNOWN_AS = {
+    "slot": "slots are made on bodies, body.straight_slot(...) and curved_slot(...), for scene.contact_slot(...)",
+}
+
+
+class Scene(Register):
     """A planar scene under construction.
 
     Parameters
@@ -53,10 +59,12 @@ class Scene:
     """
 
     spatial: ClassVar[bool] = False
+    _known_as: ClassVar[Mapping[str, str]] = _KNOWN_AS
+    _axes: ClassVar[int] = 2
 
     def __init__(self, gravity: npt.ArrayLike = (0.0, -9.81)) -> None:
-        self.gravity = planar_gravity(gravity)
-        self.ground = Placed("ground", -1, None, (np.zeros(0), np.zeros(0)), self)
+        self.gravity = gravity
+        vars(self)["ground"] = Placed("ground", -1, None, (np.zeros(0), np.zeros(0)), self)
         self._placed: dict[str, Placed] = {}
         self._surfaces: list[PlacedSurface] = []
         self._joints: dict[str, Joint] = {}
@@ -68,6 +76,12 @@ class Scene:
         self._between: dict[frozenset[str], str] = {}  # name of the contact between two surfaces, by their labels
         self._by_index: list[Placed] = []
         self._made: Counter[str] = Counter()  # surfaces made of each kind, by their labels without the number
+
+    @property
+    def ground(self) -> Placed:
+        """The ground, on which points and surfaces are made as on bodies."""
+        found: Placed = vars(self)["ground"]
+        return found
 
     def __getstate__(self) -> dict[str, Any]:
         """All of it; functions of the user by their names, ModelError for one that cannot be found by it."""
@@ -150,11 +164,8 @@ class Scene:
         rate = _state(body.modes, velocity=velocity, angular_velocity=angular_velocity, modal_velocity=modal_velocity)
         return self._place(Placed(called, len(self._placed), body, (start, rate), self, order))
 
-    def put(self, placed: Placed, order: ReductionOrder) -> None:
-        """Take a body of another scene that is reduced later, with its place and velocity.
-
-        placed: the body there. order: how it is reduced.
-        """
+    def _put(self, placed: Placed, order: ReductionOrder) -> None:
+        """Take a body of another scene that is reduced later, with its place and velocity."""
         self._place(Placed(placed.name, placed.body, placed.source, placed.start, self, order))
 
     def _place(self, placed: Placed) -> Placed:
@@ -334,32 +345,9 @@ class Scene:
             dict(self._sensors),
         )
 
-    def keep(self, surface: PlacedSurface) -> None:
-        """Take note of a surface that was made on a body or the ground of this scene."""
-        self._surfaces.append(surface)
-        self._made[surface.label.rstrip("0123456789")] += 1
-
-    def label(self, stem: str) -> str:
-        """A label for the next surface of that kind: its number is appended.
-
-        stem: the label without its number.
-        """
-        return f"{stem}{1 + self._made[stem]}"
-
-    def holder(self, body: int) -> Placed:
+    def _holder(self, body: int) -> Placed:
         """The body with that index, the ground for -1."""
         return self.ground if body < 0 else self._by_index[body]
-
-
-def planar_gravity(gravity: npt.ArrayLike) -> FloatArray:
-    """(2,); three numbers are those of a spatial scene."""
-    given = numbers(gravity)
-    if given is not None and given.shape == (3,):
-        raise ModelError(
-            f"gravity: three numbers were given, {shown(gravity)}, expected two (x, y): a Scene is planar; "
-            "SpatialScene(gravity=...) takes three"
-        )
-    return array_of("gravity", gravity, (2,))
 
 
 def _state(modes: int, **parts: Any) -> FloatArray:

@@ -112,10 +112,10 @@ def curved_slot(body: Placed, center: Place, radius: float, width: float, start:
     outer = partial(shapes.arc, radius=middle + half, start=begin, extent=turn, hole=True, goes_over=True)
     cap = partial(_cap, middle=middle, half=half, wall=between)
     return Slot(
-        body.made_of("inner", (center,), inner),
-        body.made_of("outer", (center,), outer),
-        body.made_of("first", (center,), partial(cap, angle=begin, opening=begin + math.pi)),
-        body.made_of("last", (center,), partial(cap, angle=end, opening=end)),
+        body._made_of("inner", (center,), inner),
+        body._made_of("outer", (center,), outer),
+        body._made_of("first", (center,), partial(cap, angle=begin, opening=begin + math.pi)),
+        body._made_of("last", (center,), partial(cap, angle=end, opening=end)),
         wide,
     )
 
@@ -132,10 +132,10 @@ def straight_slot(body: Placed, first: Place, last: Place, width: float) -> Slot
     wide = in_range("width", width, 0.0, math.inf, open_ends=True)
     side, cap = partial(_side, half=0.5 * wide), partial(_straight_cap, half=0.5 * wide)
     return Slot(
-        body.made_of("inner", (first, last), side),
-        body.made_of("outer", (last, first), side),
-        body.made_of("first", (last, first), cap),
-        body.made_of("last", (first, last), cap),
+        body._made_of("inner", (first, last), side),
+        body._made_of("outer", (last, first), side),
+        body._made_of("first", (last, first), cap),
+        body._made_of("last", (first, last), cap),
         wide,
     )
 

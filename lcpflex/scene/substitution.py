@@ -76,7 +76,7 @@ def remade(scene: Scene, bodies: Sequence[tuple[Body | ReductionOrder, FloatArra
         if isinstance(body, Body):
             new.add(body, placed.name, q[:2], float(q[2]), u[:2], float(u[2]), q[N_RIGID:], u[N_RIGID:])
         else:
-            new.put(placed, body)
+            new._put(placed, body)
     _Again(scene, new).declare(parts)
     return new
 

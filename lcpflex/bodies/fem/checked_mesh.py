@@ -11,7 +11,7 @@ import numpy as np
 from lcpflex.basics import libs
 from lcpflex.bodies.body import array_of
 from lcpflex.bodies.fem.files import read_mesh
-from lcpflex.bodies.fem.planar_mesh import DEGENERATE, EXTENTS, KINDS, PlanarMesh
+from lcpflex.bodies.fem.planar_mesh import DEGENERATE, EXTENTS, KINDS, PlanarMesh, check_nodes
 from lcpflex.errors import ModelError, ModelWarning, in_range, shown
 from lcpflex.jit.kernel import IntArray
 
@@ -58,6 +58,7 @@ def _from_scikit_fem(mesh: Any, source: str) -> PlanarMesh:
         raise ModelError(
             f"{source}: {corners.shape[-1]} elements on {len(places)} nodes, expected elements on nodes that are there"
         )
+    check_nodes(source, mesh)
     cells = np.asarray(mesh.dofs.element_dofs.T, dtype=np.int64)
     groups = {str(key): np.unique(cells[np.asarray(of)]) for key, of in (mesh.subdomains or {}).items()}
     for key, facets in (mesh.boundaries or {}).items():

@@ -22,6 +22,7 @@ from lcpflex.basics import libs
 from lcpflex.basics.arguments import flag, numbers, positive
 from lcpflex.bodies.body import array_of, whole_number
 from lcpflex.bodies.fem.grading import ELEMENTS, Zone, named_again, refined_to
+from lcpflex.bodies.fem.planar_mesh import check_nodes
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 
@@ -228,7 +229,10 @@ def quadratic(mesh: Any) -> Any:
     One that has them comes back as it is. Raises :class:`ModelError` for anything but triangles and quadrilaterals of
     scikit-fem.
     """
-    return mesh if type(mesh).__name__ in RAISED.values() else _raised(mesh, None)
+    if type(mesh).__name__ not in RAISED.values():
+        return _raised(mesh, None)
+    check_nodes("mesh", mesh)
+    return mesh
 
 
 def _counts(least: int, **given: Any) -> list[int]:
@@ -318,6 +322,7 @@ def _raised(mesh: Any, bend: Bend | None) -> Any:
 
 def _lowered(mesh: Any) -> Any:
     """The linear triangles on the corners of straight-sided quadratic ones, with the names of their boundaries."""
+    check_nodes("mesh", mesh)
     places = np.asarray(mesh.doflocs)
     aside = places[:, mesh.dofs.facet_dofs[0]] - places[:, mesh.facets].mean(axis=1)
     if np.abs(aside).max() > 1e-9 * np.ptp(places, axis=1).max():

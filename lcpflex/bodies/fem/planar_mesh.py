@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
+from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["KINDS", "Kind", "PlanarMesh"]
+__all__ = ["KINDS", "Kind", "PlanarMesh", "check_nodes"]
 
 FLAT = 1e-9  # of the size of the mesh: distances below it are rounding
 EXTENTS = (1e-12, 1e9)  # [m] of meshes: whatever the unit was, beyond it numbers are broken
@@ -54,6 +56,23 @@ KINDS = {  # by the names of meshio
     "quad": Kind("MeshQuad1", "ElementQuad1", 4, 4, (0, 3, 2, 1)),
     "quad9": Kind("MeshQuad2", "ElementQuad2", 4, 9, (0, 3, 2, 1, 7, 6, 5, 4, 8)),
 }
+
+
+def check_nodes(name: str, mesh: Any) -> None:
+    """Raise ModelError for a mesh of scikit-fem that has fewer places than its elements have nodes.
+
+    One of a quadratic class is easily made of corners alone: ``MeshTri2(mesh.p[:, : mesh.nvertices], mesh.t)``.
+
+    name: of the mesh in the message.
+    """
+    needed, places = int(mesh.dofs.element_dofs.max(initial=-1)) + 1, np.asarray(mesh.doflocs).shape[-1]
+    if needed > places:
+        kind = type(mesh).__name__
+        linear = next((k.mesh for k in KINDS.values() if k.mesh[:-1] == kind[:-1]), kind)
+        raise ModelError(
+            f"{name}: {kind} with {places} places was given, and its elements have {needed} nodes, amid edges too, "
+            f"expected a place for each; on corners alone make skfem.{linear}(p, t), and lf.meshes.quadratic of it"
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

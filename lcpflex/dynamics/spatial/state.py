@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lcpflex.basics.attributes import NamesNearest
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.dynamics.time_functions import OnBody
 from lcpflex.jit.kernel import FloatArray
@@ -16,7 +17,7 @@ __all__ = ["SpatialState"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SpatialState:
+class SpatialState(NamesNearest):
     """The state that a Python force is asked at; nothing in it may be changed.
 
     All vectors are in world axes; q and u are laid out as told in :mod:`lcpflex.model.spatial`.

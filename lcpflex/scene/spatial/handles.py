@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from operator import methodcaller
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -28,11 +28,21 @@ from lcpflex.scene.spatial.orientation import matrix_of
 if TYPE_CHECKING:
     from lcpflex.bodies.spatial.body import SpatialBody
     from lcpflex.jit.kernel import FloatArray
-    from lcpflex.scene.handles import Register
+    from lcpflex.scene.register import Register
 
 __all__ = ["SpatialPlaced"]
 
 Place = str | PlacedPoint | npt.ArrayLike
+
+
+_SLOTS = "slots are planar; in space let a sphere or capsule run between surfaces such as box(...)"
+_KNOWN_AS = {
+    "half_plane": "it is planar; in space plane(point, normal)",
+    "circle": "it is planar; in space sphere(center, radius), cylinder(...) or rim(...)",
+    "arc": "it is planar; in space cylinder(center, axis, radius, length)",
+    "chain": "it is planar; in space box(...), hull(points), or the mesh of a body",
+    **dict.fromkeys(("slot", "straight_slot", "curved_slot"), _SLOTS),
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,6 +53,7 @@ class SpatialPlaced(PlacedBody):
     place off a flexible body, and numbers that cannot be.
     """
 
+    _known_as: ClassVar[Mapping[str, str]] = _KNOWN_AS
     source: SpatialBody | None = field(repr=False)  # None for the ground
     start: tuple[FloatArray, FloatArray] = field(repr=False)  # (7 + n,) configuration and (6 + n,) velocity
     scene: Register = field(repr=False)
@@ -186,8 +197,8 @@ class SpatialPlaced(PlacedBody):
         return self._made(method, shape, partial(_again, method, center, (radius,)))
 
     def _made(self, kind: str, shape: SpatialSurface, again: Callable[[Any], PlacedSurface]) -> PlacedSurface:
-        surface = PlacedSurface(self.scene, self.body, self.scene.label(f"{self.name}.{kind}"), shape, again)
-        self.scene.keep(surface)
+        surface = PlacedSurface(self.scene, self.body, self.scene._label(f"{self.name}.{kind}"), shape, again)
+        self.scene._keep(surface)
         return surface
 
     def _check_rigid(self, kind: str) -> None:

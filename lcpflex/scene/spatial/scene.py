@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import warnings
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.arguments import absent, array_of, flag, numbers, told_by
+from lcpflex.basics.arguments import absent, array_of, flag, told_by
 from lcpflex.bodies.body import Body
 from lcpflex.bodies.spatial.body import SpatialBody
 from lcpflex.errors import ModelError, ModelWarning, shown
@@ -21,6 +21,7 @@ from lcpflex.scene.contact_rules import contact_between, rule_of
 from lcpflex.scene.declared import ContactRule, DeclaredContact
 from lcpflex.scene.naming import free_name
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
+from lcpflex.scene.register import Register
 from lcpflex.scene.sensors.sensor import Sensor, check_placed_sensor
 from lcpflex.scene.spatial.handles import SpatialPlaced
 from lcpflex.scene.spatial.orientation import matrix_of, quaternion_of
@@ -30,7 +31,6 @@ from lcpflex.scene.user_functions import check_names, functions_of
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-    from lcpflex.jit.kernel import FloatArray
     from lcpflex.scene.compiling import CompiledScene
 
 __all__ = ["SpatialParts", "SpatialScene"]
@@ -53,7 +53,16 @@ class SpatialParts(NamedTuple):
         return tuple(one.source for one in self.placed if one.source is not None)
 
 
-class SpatialScene:
+_SLOTS = "slots are planar; in space let a sphere or capsule run between surfaces of ground.box(...) or of bodies"
+_KNOWN_AS = {
+    **dict.fromkeys(("slot", "contact_slot"), _SLOTS),
+    "revolute_with_clearance": "it is planar; in space let body.sphere(...) move in body.hole(...)",
+    "with_bodies": "it is planar; in space make the scene anew with the other bodies",
+    "reduced": "bodies of space are reduced before they are added: SpatialBeam(...).reduce(modes=8)",
+}
+
+
+class SpatialScene(Register):
     """A spatial scene under construction.
 
     Bodies move in three dimensions: q has 7 + n numbers a body, u has 6 + n (:mod:`lcpflex.model.spatial`). The verbs
@@ -71,10 +80,12 @@ class SpatialScene:
     """
 
     spatial: ClassVar[bool] = True
+    _known_as: ClassVar[Mapping[str, str]] = _KNOWN_AS
+    _axes: ClassVar[int] = 3
 
     def __init__(self, gravity: npt.ArrayLike = (0.0, 0.0, -9.81)) -> None:
-        self.gravity = _gravity(gravity)
-        self.ground = SpatialPlaced("ground", -1, None, (np.zeros(0), np.zeros(0)), self)
+        self.gravity = gravity
+        vars(self)["ground"] = SpatialPlaced("ground", -1, None, (np.zeros(0), np.zeros(0)), self)
         self._placed: dict[str, SpatialPlaced] = {}
         self._joints: dict[str, SpatialJoint] = {}
         self._loads: list[SpatialLoad] = []
@@ -84,6 +95,12 @@ class SpatialScene:
         self._rules: list[ContactRule] = []
         self._between: dict[frozenset[str], str] = {}  # name of the contact between two surfaces, by their labels
         self._made: Counter[str] = Counter()  # surfaces made of each kind, by their labels without the number
+
+    @property
+    def ground(self) -> SpatialPlaced:
+        """The ground, on which points and surfaces are made as on bodies."""
+        found: SpatialPlaced = vars(self)["ground"]
+        return found
 
     def __getstate__(self) -> dict[str, Any]:
         """All of it; functions of the user by their names, ModelError for one that cannot be found by it."""
@@ -106,6 +123,7 @@ class SpatialScene:
         angular_velocity: npt.ArrayLike = (0.0, 0.0, 0.0),
         modal: npt.ArrayLike | None = None,
         modal_velocity: npt.ArrayLike | None = None,
+        **planar: Any,
     ) -> SpatialPlaced:
         """Put a body into the scene. The same body may be put in several times, and into several scenes.
 
@@ -124,7 +142,11 @@ class SpatialScene:
             (In ``u``, the angular velocity is in body axes.)
         modal, modal_velocity
             (n,) initial modal coordinates [kg^1/2 m] and their rates, 0 if omitted.
+        **planar
+            What only the planar ``add`` has (``modes``, ``damping``, ``angle``, ...): refused, with what is to be done
+            in space.
         """
+        _refuse_planar(planar, body)
         called = free_name("body", name, self._placed)
         _check_body(body)
         n = body.modes
@@ -255,31 +277,25 @@ class SpatialScene:
             tuple(self._rules),
         )
 
-    def keep(self, surface: PlacedSurface) -> None:
-        """Take note of a surface that was made on a body or the ground of this scene."""
-        self._surfaces.append(surface)
-        self._made[surface.label.rstrip("0123456789")] += 1
-
-    def label(self, stem: str) -> str:
-        """A label for the next surface of that kind: its number is appended.
-
-        stem: the label without its number.
-        """
-        return f"{stem}{1 + self._made[stem]}"
-
-    def holder(self, body: int) -> SpatialPlaced:
+    def _holder(self, body: int) -> SpatialPlaced:
         """The body with that index, the ground for -1."""
         return self.ground if body < 0 else tuple(self._placed.values())[body]
 
 
-def _gravity(gravity: npt.ArrayLike) -> FloatArray:
-    """(3,); two numbers are those of a planar scene."""
-    given = numbers(gravity)
-    if given is not None and given.shape == (2,):
-        raise ModelError(
-            f"gravity: two numbers were given, {shown(gravity)}, expected three (x, y, z): the planar Scene takes two"
-        )
-    return array_of("gravity", gravity, (3,))
+def _refuse_planar(given: Mapping[str, Any], body: object) -> None:
+    """Raise ModelError for arguments that bodies of the plane have, TypeError for those that none has."""
+    for name, value in given.items():
+        if name == "angle":
+            words = f"expected orientation=Rotation.from_rotvec([0, 0, {shown(value)}])"
+        elif name in ("modes", "damping"):
+            kind = type(body).__name__ if hasattr(body, "reduce") else "SpatialBeam"
+            told = ", ".join(f"{key}={shown(given[key])}" for key in ("modes", "damping") if key in given)
+            words = f"expected a body that is reduced before it is added: scene.add({kind}(...).reduce({told}))"
+        elif name in ("stiffening", "residual_damping", "contact_nodes"):
+            words = "expected none: bodies of space are reduced by .reduce(modes=..., interfaces=...) before"
+        else:
+            raise TypeError(f"SpatialScene.add() got an unexpected keyword argument {name!r}")
+        raise ModelError(f"{name}: {shown(value)} was given, which is for planar scenes, {words}")
 
 
 def _check_body(body: object) -> None:

@@ -159,14 +159,19 @@ def admissible_accelerations(
         if solution.status not in (Status.NO_SOLUTION, Status.INFEASIBLE):
             raise SolverError(f"the contact problem was left undecided: {solution.message}", solution)
         return AdmissibleMotions(Count.NONE, instant.contacts, (), False)
-    motions = tuple(instant.motion(z) for z in solution.solutions or (solution.z,))
-    count = Count.UNIQUE if all(_same(motions[0], other) for other in motions[1:]) else Count.SEVERAL
-    return AdmissibleMotions(count, instant.contacts, motions, len(motions) == 1)
+    found = [instant.motion(z) for z in solution.solutions or (solution.z,)]
+    motions: list[AdmissibleMotion] = []
+    for one in found:  # of a contact without force, any slip of the LCP's unknowns is the same solution
+        if not any(_same(one.force, other.force) and instant.alike(one, other) for other in motions):
+            motions.append(one)
+    count = Count.UNIQUE if all(instant.alike(motions[0], other) for other in motions[1:]) else Count.SEVERAL
+    return AdmissibleMotions(count, instant.contacts, tuple(motions), len(motions) == 1)
 
 
-def _same(a: AdmissibleMotion, b: AdmissibleMotion) -> bool:
-    size = max(np.abs(a.acceleration).max(), np.abs(b.acceleration).max())
-    return bool(np.abs(a.acceleration - b.acceleration).max() <= SAME * size)
+def _same(a: FloatArray, b: FloatArray, least: float = 0.0) -> bool:
+    """Whether two arrays differ by rounding, that of the largest number there is: one of them, or ``least``."""
+    size = max(float(np.abs(a).max(initial=0.0)), float(np.abs(b).max(initial=0.0)), least)
+    return bool(np.abs(a - b).max(initial=0.0) <= SAME * size)
 
 
 def _system(scene: Scene | UserSystem) -> System:
@@ -243,6 +248,10 @@ class _Instant:
         one_island(work.islands, n)
         pose_island(work, 0)
         return posed_lcp(work.problem, work.solver)
+
+    def alike(self, a: AdmissibleMotion, b: AdmissibleMotion) -> bool:
+        """Whether two motions are one: at rest, what is left of either is rounding of the motion without forces."""
+        return _same(a.acceleration, b.acceleration, float(np.abs(self._free).max(initial=0.0)))
 
     def motion(self, z: FloatArray) -> AdmissibleMotion:
         """The motion that belongs to a solution z of the LCP."""
