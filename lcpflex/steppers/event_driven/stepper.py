@@ -34,8 +34,10 @@ from lcpflex.steppers.event_driven.loop import (
     advance,
 )
 from lcpflex.steppers.event_driven.memory import (
+    CONE,
     EVENT_CAPACITY,
     EVENT_KINDS,
+    SLIDING,
     WINDOW,
     EventSettings,
     event_memory,
@@ -143,7 +145,7 @@ class EventDrivenSteps:
                 return f"{RunStatus.SOLVER_FAILED.sentence} ({named})"
             if not (self._rescued() or self._jam()):
                 return self._rescue.unsolved(self._work, int(self.clock.number), self._thresholds.settings.tolerance)
-        elif status not in (RunStatus.TOO_OFTEN, RunStatus.CHATTER) or not self._calm():
+        elif status not in (RunStatus.TOO_OFTEN, RunStatus.CHATTER) or not self._calm(status):
             return self._sentence(status)
         return ""
 
@@ -160,7 +162,10 @@ class EventDrivenSteps:
                 f"{self._thresholds.most}: MoreauJean(step=...) takes the impacts of a step together"
             )
         if status == RunStatus.CHATTER:
-            return f"more than {MOST_EVENTS} events at one instant: the contacts named here switch without end"
+            return (
+                f"more than {MOST_EVENTS} events at one instant: the contacts named here switch without end, and no "
+                "threshold that may rise ends that: MoreauJean(step=...) takes what contacts do in a step together"
+            )
         if status == RunStatus.OUT_OF_RANGE:
             return law_trouble(self.system.names, self._work)
         if status == RunStatus.NOT_FINITE:
@@ -168,10 +173,17 @@ class EventDrivenSteps:
             return f"the state is no longer finite{f' ({named})' if named else ''}"
         return RunStatus(status).sentence
 
-    def _calm(self) -> bool:
-        """Raise a threshold where events accumulate too fast, and count them anew; False where none may be raised."""
+    def _calm(self, status: int) -> bool:
+        """Raise a threshold where events accumulate too fast, and count them anew; False where none may be raised.
+
+        Where most of them have changed no state, the record does not tell of them: what the last was located by does.
+        """
         memory = self.clock
-        if not self._thresholds.rise(self.events, self.clock.time, memory.fastest, memory.gentlest):
+        located = min(memory.stuck, WINDOW) if status == RunStatus.CHATTER else WINDOW
+        since = memory.time if status == RunStatus.CHATTER else float(memory.recent.min())
+        told = sum(event[0] >= since for event in self.events[-WINDOW:])
+        slips = None if 2 * told > located else memory.cause in (CONE, SLIDING)
+        if not self._thresholds.rise(self.events, memory.time, memory.fastest, memory.gentlest, slips):
             return False
         memory.gentlest = math.inf
         memory.located = memory.too_many = memory.stuck = 0

@@ -30,6 +30,12 @@ OF_SLIP = {EVENT_KINDS[kind] for kind in (STICKS, SLIPS, REVERSES)}
 Events = list[tuple[float, str, int, float]]
 
 
+def of_slip(events: Events) -> bool:
+    """Whether more of the events are of slip than of impacts."""
+    slips = sum(kind in OF_SLIP for _, kind, _, _ in events)
+    return slips > sum(kind not in OF_SLIP and kind != EVENT_KINDS[LIFT_OFF] for _, kind, _, _ in events)
+
+
 class Thresholds:
     """The settings of a run with its thresholds as they are at present."""
 
@@ -41,18 +47,17 @@ class Thresholds:
         self._contacts: set[int] = set()
         self._highest = self._highest_slip = 0.0
 
-    def rise(self, events: Events, time: float, fastest: float, gentlest: float) -> bool:
+    def rise(self, events: Events, time: float, fastest: float, gentlest: float, slips: bool | None = None) -> bool:
         """Raise the threshold that ends most of the last ``events``; False where it must not rise further.
 
-        fastest: largest velocity of a contact so far; gentlest: approach of the slowest impact lately [m/s].
+        fastest: largest velocity of a contact so far; gentlest: approach of the slowest impact lately [m/s]; slips:
+        whether they are of slip, not of impacts, where they do not tell.
         """
         recent = events[-WINDOW:]
-        of_slip = sum(kind in OF_SLIP for _, kind, _, _ in recent)
-        of_impact = sum(kind not in OF_SLIP and kind != EVENT_KINDS[LIFT_OFF] for _, kind, _, _ in recent)
         now, limit = self.settings, LIMIT * fastest
         velocity = min(RISE * now.velocity_threshold, limit)
         slip = min(SLIP_RISE * now.slip_threshold, limit)
-        if of_slip > of_impact:
+        if of_slip(recent) if slips is None else slips:
             if not slip > WORTH * now.slip_threshold:
                 return False
             now = now._replace(slip_threshold=slip)
