@@ -13,7 +13,8 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.basics import libs
-from lcpflex.checks.loads_in_time import masses_and_joints, place_name, resisted
+from lcpflex.checks.loads_in_time import place_name, resisted
+from lcpflex.checks.run_scales import masses_and_joints
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.dynamics.mass_matrix import elastic_matrices, held_inverse
 from lcpflex.jit.kernel import FloatArray

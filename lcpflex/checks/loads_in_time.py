@@ -2,39 +2,44 @@
 
 Looked for is what happens within a step: a force that swings or a pulse that is over before the step is, a drive whose
 mean speed is not the one that was sampled, a spring that swings. It counts where it would change the largest speed of
-the run, or a spring's stretch the distance travelled, by more than a hundredth.
+the run, or a spring's stretch the distance travelled, by more than a hundredth; a pulse that would change that speed by
+more than a fifth is a reason not to trust the run. Where nothing moves, speeds are measured by what all loads, at their
+mean sizes, would do in one step, and it is no matter when in a step a force comes.
 """
 
 from __future__ import annotations
 
 import math
-from functools import cached_property
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from lcpflex.checks.bent_steps import BentSteps
+from lcpflex.checks.run_scales import RunScales
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.dynamics.applied_forces import FOLLOWER, FORCE, TORQUE
-from lcpflex.dynamics.mass_matrix import held_inverse, mass_matrix
-from lcpflex.dynamics.start import violation
 from lcpflex.dynamics.time_functions import COMPILED, EXTERNAL, HARMONIC, PIECES, ForceCallback
-from lcpflex.dynamics.time_structure import bends, probe_of
+from lcpflex.dynamics.time_probe import probed
+from lcpflex.dynamics.time_structure import probe_of
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.relative import Motion, apart, coordinate_gradient
 from lcpflex.model.arrays import Model
 from lcpflex.model.coordinates import ANGULAR
-from lcpflex.model.layout import PLANE, dimension, is_spatial, place_offsets
+from lcpflex.model.layout import dimension, is_spatial
 from lcpflex.model.planar import N_RIGID
-from lcpflex.model.spatial import N_PLACE
 from lcpflex.results.places import material_shapes
 from lcpflex.results.result import Result
+from lcpflex.scene.user_system import UserSystem
 
-__all__ = ["masses_and_joints", "place_name", "resisted", "unseen_loads"]
+__all__ = ["place_name", "resisted", "with_unseen_loads"]
 
 TURN = 0.45  # omega times step up to which a mean over the step is good to (omega step)^2 / 12
 SPRING_TURN = 0.6  # the same for a spring, whose frequency is off by (omega step)^2 / 24
 MATTERS = 0.01  # of the largest speed, or of the distance travelled
+MISSED = 0.2  # of the largest speed: what a single step leaves out, from where on a run is not to be trusted
+HELD = 0.5  # of the impulse of all loads in a step: so much may be missed where they hold each other, as of a jump
 NEGLIGIBLE = 1e-3  # of the other forces: what is smaller does not matter where nothing moves either
 LOST = 0.03  # of the path of a drive
 GOOD = 20.0  # steps in a period, or in the shortest bend: what is advised
@@ -42,87 +47,53 @@ GOOD = 20.0  # steps in a period, or in the shortest bend: what is advised
 Profiles = dict[int, tuple[FloatArray, FloatArray]]  # instants and values of functions of time
 
 
-def unseen_loads(result: Result, step: float) -> tuple[str, ...]:
-    """Warnings for what steps of ``step`` [s] did not see, each with the step that would do."""
-    compiled = result.compiled
-    if compiled is None or len(result.times) < 2 or not np.isfinite(result.u).all():
-        return ()
-    with np.errstate(all="ignore"):  # a run that went astray is judged elsewhere
-        scales = _Scales(result, compiled)
-        profiles = _profiles(compiled, scales.duration)
-        return (
-            *_forces(compiled, step, scales, profiles),
-            *_drives(compiled, step, scales, profiles),
-            *_springs(result, compiled, step, scales),
-        )
+def with_unseen_loads(result: Result, step: float, source: CompiledScene | UserSystem) -> Result:
+    """The result with warnings for what steps of ``step`` [s] did not see, each with the step that would do.
 
-
-class _Scales:
-    """What is large or small in a run."""
-
-    def __init__(self, result: Result, compiled: CompiledScene) -> None:
-        model = compiled.model
-        _, rigid, components = dimension(model.bodies)
-        dof = model.bodies.dof[:-1, None]
-        self.size = compiled.size
-        self.duration = float(result.times[-1])
-        spins = np.linalg.norm(result.u[:, dof + np.arange(components, rigid)], axis=2)
-        self.spin = float(spins.max())
-        speeds = np.linalg.norm(result.u[:, dof + np.arange(components)], axis=2) + 0.5 * self.size * spins
-        self.speed = float(speeds.max())
-        places = result.q[:, place_offsets(model.bodies)[:-1, None] + np.arange(components)]
-        travel = np.linalg.norm(np.ptp(places, axis=0), axis=1)
-        self.travel = float((travel + 0.5 * self.size * _turned(result, model.bodies)).max())
-        self.weight = float(model.bodies.mass.sum() * np.linalg.norm(model.loads.gravity))
-        self._compiled = compiled
-        self._rigid = (dof + np.arange(rigid)).ravel()
-
-    @cached_property
-    def _mechanics(self) -> tuple[FloatArray, FloatArray]:
-        return masses_and_joints(self._compiled, self._compiled.q)
-
-    @cached_property
-    def _inverse(self) -> FloatArray:
-        return held_inverse(*self._mechanics)
-
-    @cached_property
-    def _stiff(self) -> FloatArray:
-        M, J = self._mechanics
-        return held_inverse(M[np.ix_(self._rigid, self._rigid)], J[:, self._rigid])
-
-    def mobility(self, rows: FloatArray) -> float:
-        """Largest change of speed by a unit impulse along ``rows`` (k, ndof) [1/kg] or [1/(kg m^2)], joints held."""
-        return max(float(np.linalg.eigvalsh(rows @ self._inverse @ rows.T)[-1]), 0.0)
-
-    def drift(self, rows: FloatArray) -> float:
-        """The same of bodies as if they were rigid: what lasts."""
-        rows = rows[:, self._rigid]
-        return max(float(np.linalg.eigvalsh(rows @ self._stiff @ rows.T)[-1]), 0.0)
-
-
-def _turned(result: Result, bodies: Any) -> FloatArray:
-    """By how much each body has turned (nb,) [rad]; in space the range of the integral of its angular velocity.
-
-    Rotations from one stored instant to the next are added as vectors: about a fixed axis that is the angle.
+    Without trust where one of them has missed a good part of all motion.
     """
-    if dimension(bodies) is PLANE:
-        return np.asarray(np.ptp(result.q[:, bodies.dof[:-1] + 2], axis=0))
-    p = result.q[:, bodies.place[:-1, None] + np.arange(3, N_PLACE)]
-    w, v = p[..., :1], p[..., 1:]
-    scalar = w[1:] * w[:-1] + (v[1:] * v[:-1]).sum(axis=-1, keepdims=True)
-    vector = w[:-1] * v[1:] - w[1:] * v[:-1] - np.cross(v[1:], v[:-1])
-    vector *= np.where(scalar < 0.0, -1.0, 1.0)  # the shorter way round
-    length = np.linalg.norm(vector, axis=-1, keepdims=True)
-    angle = 2.0 * np.arctan2(length, np.abs(scalar))
-    steps = np.divide(angle * vector, length, out=np.zeros_like(vector), where=length > 0.0)
-    ways = np.concatenate([np.zeros((1, *steps.shape[1:])), np.cumsum(steps, axis=0)])
-    return np.asarray(np.linalg.norm(np.ptp(ways, axis=0), axis=-1))
+    if len(result.times) < 2 or not np.isfinite(result.u).all():
+        return result
+    with np.errstate(all="ignore"):  # a run that went astray is judged elsewhere
+        if isinstance(source, UserSystem):
+            found, missed = _unseen_of_user(result, step, source)
+        else:
+            found, missed = _unseen(result, source, step)
+    if not (found or missed):
+        return result
+    return replace(result, warnings=(*result.warnings, *found), found_wrong=(*result.found_wrong, *missed))
 
 
-def masses_and_joints(compiled: CompiledScene, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Mass matrix (ndof, ndof) and rows of the joints (nj, ndof) at q, drives as at t = 0."""
-    still, external = np.zeros_like(compiled.u), np.zeros((compiled.n_external, 3))
-    return mass_matrix(compiled.model, q), violation(compiled.model, q, still, external).jacobian
+def _unseen(result: Result, compiled: CompiledScene, step: float) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Warnings, and reasons not to trust a run of a scene."""
+    scales = RunScales(result, compiled)
+    profiles = _profiles(compiled, scales.duration)
+    forces = _forces(compiled, step, scales, profiles)
+    found = (
+        *(text for text, missed in forces if not missed),
+        *_drives(compiled, step, scales, profiles),
+        *_springs(result, compiled, step, scales),
+    )
+    return found, tuple(text for text, missed in forces if missed)
+
+
+def _unseen_of_user(result: Result, step: float, user: UserSystem) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The same of a user's own system, by its forces and its mass at the start, each coordinate for itself."""
+    functions, q, u = user._functions, result.q[0], result.u[0]
+    duration = float(result.times[-1])
+    times, values = probed(lambda t: functions.force(t, q, u), duration, closely=False)
+    mobility = np.diag(np.linalg.inv(functions.mass(q)))
+    found: tuple[list[str], list[str]] = [], []
+    for k, force in enumerate(values.T if len(times) else ()):
+        bent = BentSteps(times, force, step, duration)
+        if not len(bent.begin):
+            continue
+        taken = _mean_impulse_of(times, force, step, duration)
+        speed = float(np.abs(result.u[:, k]).max()) / float(mobility[k])
+        words, missed = _missed(bent, step, speed, taken)
+        if words:
+            found[missed].append(f"the force on coordinate {k} {words}")
+    return tuple(found[0]), tuple(found[1])
 
 
 def _rows(model: Any, q: FloatArray, p: int) -> FloatArray:
@@ -183,44 +154,11 @@ def _profiles(compiled: CompiledScene, duration: float) -> Profiles:
     return found
 
 
-class _BentSteps:
-    """The k steps within which a polygon bends, and the polygon with their ends among its corners."""
-
-    def __init__(self, times: FloatArray, values: FloatArray, step: float, duration: float) -> None:
-        knots = bends(times, values)
-        knots = knots[(knots > 0.0) & (knots < duration)]
-        number = np.unique(np.floor(knots / step))
-        self.begin, self.end = number * step, (number + 1.0) * step
-        self.middle = np.interp(self.begin + 0.5 * step, times, values)  # (k,) values
-        inner = times[(times > 0.0) & (times < duration)]
-        self.at = np.unique(np.concatenate([inner, self.begin, self.end]))
-        self.value = np.interp(self.at, times, values)
-        self.first, self.last = np.searchsorted(self.at, self.begin), np.searchsorted(self.at, self.end)
-
-    def over(self, corners: FloatArray) -> FloatArray:
-        """Integral over each step of what has the values ``corners`` at those of the polygon (k,)."""
-        pieces = 0.5 * (corners[1:] + corners[:-1]) * np.diff(self.at)
-        total = np.concatenate([[0.0], np.cumsum(pieces)])
-        return np.asarray(total[self.last] - total[self.first])
-
-    def beside_chords(self) -> float:
-        """Area between the polygon and the chords of the steps, of all together."""
-        ends = np.concatenate([self.first, self.last])
-        ends = ends[np.argsort(self.at[ends], kind="stable")]
-        chord = np.interp(self.at, self.at[ends], self.value[ends])
-        return float(self.over(np.abs(self.value - chord)).sum())
-
-    def lost_path(self) -> float:
-        """What the polygon goes to and fro within steps, of all together."""
-        gone = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self.value)))])
-        straight = np.abs(self.value[self.last] - self.value[self.first])
-        return float((gone[self.last] - gone[self.first] - straight).sum())
-
-
-def _forces(compiled: CompiledScene, step: float, scales: _Scales, profiles: Profiles) -> list[str]:
-    """Forces and torques that go on within a step."""
+def _forces(compiled: CompiledScene, step: float, scales: RunScales, profiles: Profiles) -> list[tuple[str, bool]]:
+    """Forces and torques that go on within a step, and whether that is a good part of all motion."""
     model, found = compiled.model, []
     largest = [_largest(model, k, profiles) for k in range(len(model.signals.kind))]
+    usual = _usual_impulse(model, profiles, scales, step)
     for k, kind in enumerate(model.loads.force_kind.tolist()):
         p = int(model.loads.force_point[k])
         torque = kind not in (FORCE, FOLLOWER)
@@ -236,10 +174,37 @@ def _forces(compiled: CompiledScene, step: float, scales: _Scales, profiles: Pro
             if largest[signal] <= NEGLIGIBLE * max(rest, default=0.0):
                 continue
             along = rows[[c for c in range(axes) if components[c] == signal]] if fixed else rows
-            words = _unseen_force(model, signal, profiles, step, scales, along)
+            taken = usual * (0.5 * scales.size if torque else 1.0)
+            words, missed = _unseen_force(model, signal, profiles, step, scales, along, taken)
             if words:
-                found.append(f"the {'torque' if torque else 'force'} on {place_name(compiled, p)} {words}")
+                found.append((f"the {'torque' if torque else 'force'} on {place_name(compiled, p)} {words}", missed))
     return found
+
+
+def _usual_impulse(model: Model, profiles: Profiles, scales: RunScales, step: float) -> float:
+    """What all weights and loads do in a step, at the mean of their sizes [N s]; torques at half the size."""
+    total = step * scales.weight
+    for kind, components in zip(model.loads.force_kind.tolist(), model.loads.force_signal.tolist(), strict=True):
+        taken = sum(_mean_impulse(model, signal, profiles, step, scales.duration) for signal in set(components))
+        total += taken / (1.0 if kind in (FORCE, FOLLOWER) else 0.5 * scales.size)
+    return total
+
+
+def _mean_impulse(model: Model, signal: int, profiles: Profiles, step: float, duration: float) -> float:
+    """What a function of time, at the mean of its size, does in a step; of a harmonic no more than half a period."""
+    if signal in profiles:
+        return _mean_impulse_of(*profiles[signal], step, duration)
+    if signal < 0 or model.signals.kind[signal] != HARMONIC:
+        return 0.0
+    mean, amplitude, omega, _ = model.signals.coefficients[model.signals.first[signal]].tolist()
+    swing = step if omega == 0.0 else min(step, 2.0 / abs(omega))
+    return float(abs(mean) * step + abs(amplitude) * swing)
+
+
+def _mean_impulse_of(times: FloatArray, values: FloatArray, step: float, duration: float) -> float:
+    """The same of a polygon."""
+    at = np.unique(np.concatenate([[0.0, duration], times[(times > 0.0) & (times < duration)]]))
+    return step * float(np.trapezoid(np.abs(np.interp(at, times, values)), at)) / duration
 
 
 def _largest(model: Model, signal: int, profiles: Profiles) -> float:
@@ -252,32 +217,62 @@ def _largest(model: Model, signal: int, profiles: Profiles) -> float:
     return float(abs(mean) + abs(amplitude))
 
 
-def _unseen_force(model: Model, signal: int, profiles: Profiles, step: float, scales: _Scales, rows: FloatArray) -> str:
-    """What a run does not see of a force, in words; empty if that does not matter."""
+def _unseen_force(
+    model: Model, signal: int, profiles: Profiles, step: float, scales: RunScales, rows: FloatArray, taken: float
+) -> tuple[str, bool]:
+    """What a run does not see of a force, in words, and whether it is not to be trusted; empty if it does not matter.
+
+    ``taken``: impulse of all loads in a step [N s]; what moves no faster than by that is at rest.
+    """
+    nothing = "", False
     if model.signals.kind[signal] == HARMONIC:
         _, amplitude, omega, _ = model.signals.coefficients[model.signals.first[signal]].tolist()
         turn = abs(omega) * step
         if turn <= TURN or amplitude == 0.0:
-            return ""
-        speed = abs(amplitude / omega) * scales.mobility(rows) * min(1.0, turn * turn / 12.0)
-        return _turns(omega, step) if speed > MATTERS * scales.speed else ""
+            return nothing
+        mobility = scales.mobility(rows)
+        speed = abs(amplitude / omega) * mobility * min(1.0, turn * turn / 12.0)
+        return (_turns(omega, step), False) if speed > MATTERS * max(scales.speed, mobility * taken) else nothing
     if signal not in profiles:
-        return ""
-    bent = _BentSteps(*profiles[signal], step, scales.duration)
+        return nothing
+    bent = BentSteps(*profiles[signal], step, scales.duration)
     if not len(bent.begin):
+        return nothing
+    mobility = scales.mobility(rows)
+    if model.signals.kind[signal] != PIECES:
+        return _missed(bent, step, scales.speed / mobility if mobility > 0.0 else math.inf, taken)
+    if scales.speed <= mobility * taken:
+        return nothing
+    # the impulse is right: what is not seen is when in the step it came
+    late = scales.drift(rows) * bent.beside_chords() * 0.5 * step
+    return _told(bent, step, late, MATTERS * scales.travel), False
+
+
+def _missed(bent: BentSteps, step: float, moved: float, taken: float) -> tuple[str, bool]:
+    """What steps leave out of the impulse of a Python function, which they take at a place or two; whether it is much.
+
+    moved: impulse of the largest speed [N s]; where it is no more than ``taken``, things rest, and errors of single
+    steps are not added up.
+    """
+    of_all, of_one = bent.missed()
+    if moved <= taken:
+        return _told(bent, step, of_one, HELD * taken), of_one > HELD * taken
+    return _told(bent, step, max(of_all, of_one), MATTERS * moved), of_one > MISSED * moved
+
+
+def _told(bent: BentSteps, step: float, error: float, allowed: float) -> str:
+    """What happens within steps, in words, with the step that would do; empty where the error is allowed."""
+    if error <= allowed or not error > 0.0:
         return ""
-    taken = model.signals.kind[signal] == PIECES
-    if taken:  # the impulse is right: what is not seen is when in the step it came
-        off = bent.beside_chords() * 0.5 * step
-    else:
-        off = float(np.abs(np.cumsum(step * bent.middle - bent.over(bent.value))).max())
-    error, scale = scales.mobility(rows) * off, scales.speed
-    if taken:
-        error, scale = scales.drift(rows) * off, scales.travel
-    if error <= MATTERS * scale or not error > 0.0:
-        return ""
-    advised = step * max(NEGLIGIBLE, MATTERS * scale / error)
-    return f"bends and jumps within steps of {step:.3g} s, which do not follow it: a step of {advised:.2g} s would"
+    at, width = bent.pulse()
+    advised = step * max(NEGLIGIBLE, allowed / error)
+    if width > 0.0:
+        advised = min(advised, 0.5 * width)
+    lasts = f"at t = {at:.6g} s it acts for {width:.2g} s" if width > 0.0 else f"as at t = {at:.6g} s"
+    return (
+        f"bends and jumps within steps of {step:.3g} s, which do not follow it ({lasts}): a step of {advised:.2g} s "
+        "would"
+    )
 
 
 def _turns(omega: float, step: float) -> str:
@@ -289,7 +284,7 @@ def _turns(omega: float, step: float) -> str:
     )
 
 
-def _drives(compiled: CompiledScene, step: float, scales: _Scales, profiles: Profiles) -> list[str]:
+def _drives(compiled: CompiledScene, step: float, scales: RunScales, profiles: Profiles) -> list[str]:
     """Drives that turn back within a step."""
     model, found = compiled.model, []
     owner = np.repeat(np.arange(len(model.joints.point)), np.diff(model.joints.row))
@@ -312,7 +307,7 @@ def _drives(compiled: CompiledScene, step: float, scales: _Scales, profiles: Pro
 def _unseen_path(times: FloatArray, values: FloatArray, step: float, duration: float) -> str:
     """That a drive goes to and fro within steps, in words; empty if it does not."""
     kept = times <= duration
-    path, bent = float(np.abs(np.diff(values[kept])).sum()), _BentSteps(times, values, step, duration)
+    path, bent = float(np.abs(np.diff(values[kept])).sum()), BentSteps(times, values, step, duration)
     lost = bent.lost_path()
     if lost <= LOST * path:
         return ""
@@ -322,7 +317,7 @@ def _unseen_path(times: FloatArray, values: FloatArray, step: float, duration: f
     )
 
 
-def _springs(result: Result, compiled: CompiledScene, step: float, scales: _Scales) -> list[str]:
+def _springs(result: Result, compiled: CompiledScene, step: float, scales: RunScales) -> list[str]:
     """Springs that swing faster than steps can follow, and do swing."""
     model, found = pack(compiled.model), []
     for k, kind in enumerate(model.loads.spring_kind.tolist()):

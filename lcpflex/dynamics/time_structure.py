@@ -1,7 +1,7 @@
 """What is known of the functions of time of a scene before it runs: where they bend, and how fast they go.
 
 A piecewise linear force and a spline's piecewise linear acceleration are described by those of their knots that a
-straight line would miss; a Python function by its values at a few thousand instants.
+straight line would miss; a Python function by what :mod:`lcpflex.dynamics.time_probe` finds.
 """
 
 from __future__ import annotations
@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any, cast
 
 import numpy as np
 
 from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.time_functions import HARMONIC, PIECES, Callback, ForceCallback, MotionCallback, State
+from lcpflex.dynamics.time_probe import INTERVALS, probed
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Model, Signals, frozen
 from lcpflex.model.layout import is_spatial
@@ -31,14 +31,10 @@ BENT_MOTION = 0.01  # and for a motion, of which accelerations matter
 PER_PERIOD = 4.0  # steps that a harmonic takes at least
 PER_SHORTEST = 2.0  # steps in the shortest thing that a function does
 LEAST_LOOKS = 100  # steps over the duration where a function depends on more than the time
-INTERVALS = 512  # of the first probe of a function, two calls each
-MOST_CALLS = 20_000
-FINEST = 1e-6  # of the duration, to which a jump is located
 BESIDE = 1e-10  # of the duration: a step ends as much before a break as the next but one begins behind it
 NEAR_BENDS = (
     2.0 / INTERVALS
 )  # of the duration: a step ends at bends so near to each other, and never passes over others
-GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 def bends(times: FloatArray, values: FloatArray, bent: float = BENT, floor: float = NO_BEND) -> FloatArray:
@@ -65,51 +61,6 @@ def bends(times: FloatArray, values: FloatArray, bent: float = BENT, floor: floa
         low, high = max(low, slope - e[k] / length), min(high, slope + e[k] / length)
     kept.append(len(t) - 1)
     return times[kept]
-
-
-def probed(function: Callable[[float], Any], duration: float) -> tuple[FloatArray, FloatArray]:
-    """Values of a function of time at up to 20,000 instants, close to each other where it bends.
-
-    The first thousand are spread unevenly, so that no period hides between them. What raises or returns no finite
-    number is left out: if a run comes there, it says so itself.
-    """
-    called: dict[float, FloatArray | None] = {}
-
-    def at(t: float) -> FloatArray | None:
-        if t not in called:
-            called[t] = _value(function, t)
-        return called[t]
-
-    spread = np.arange(1, INTERVALS) + 0.6 * ((np.arange(1, INTERVALS) * GOLDEN) % 1.0 - 0.5)
-    edges = [0.0, *(spread * duration / INTERVALS).tolist(), duration]
-    known = [value for t in edges if (value := at(t)) is not None]
-    if len(known) < 2 or len({value.size for value in known}) > 1:
-        return np.zeros(0), np.zeros((0, 1))
-    waiting = list(pairwise(edges))
-    span = np.ptp(np.array(known), axis=0)
-    while waiting and len(called) < MOST_CALLS:
-        finer: list[tuple[float, float]] = []
-        for low, high in waiting:
-            middle = 0.5 * (low + high)
-            first, value, last = at(low), at(middle), at(high)
-            if first is None or value is None or last is None or value.size != span.size:
-                continue
-            span = np.maximum(span, np.abs(value - known[0]))
-            bent = np.abs(value - 0.5 * (first + last)) > BENT_PROBED * span
-            if bent.any() and high - low > FINEST * duration and len(called) < MOST_CALLS:
-                finer += [(low, middle), (middle, high)]
-        waiting = finer
-    times = [t for t in sorted(called) if called[t] is not None]
-    return np.array(times), np.array([called[t] for t in times])
-
-
-def _value(function: Callable[[float], Any], t: float) -> FloatArray | None:
-    """What the function returns, as an array; None where that is no finite number."""
-    try:
-        values = np.atleast_1d(np.asarray(function(t), dtype=float)).ravel()
-    except Exception:  # left to the run, which tells where it was
-        return None
-    return values if np.isfinite(values).all() else None
 
 
 def with_signals(model: Model, **changes: Any) -> Model:
@@ -181,7 +132,7 @@ def _of_function(callback: Callback | CompiledFunction, start: State, duration: 
 
 def for_system(model: Model, function: Callable[[float], Any], duration: float) -> Model:
     """``model`` of a user's own system, whose forces at the start are ``function``, with stops and greatest step."""
-    times, values = probed(function, duration)
+    times, values = probed(function, duration, closely=False)
     if not len(times) or not np.ptp(values, axis=0).any():
         return model  # the time does not matter
     stops, longest = _steps_for(times, values, BENT_PROBED, duration)
@@ -211,7 +162,7 @@ def probe_of(callback: Callback | CompiledFunction, start: State, duration: floa
     def asked(t: float) -> Any:
         return function(t, replace(start, time=t)) if by_state else function(t)
 
-    times, values = probed(asked, duration)
+    times, values = probed(asked, duration, closely=not by_state)
     return times, values[:, :1] if _is_motion(callback) else values
 
 

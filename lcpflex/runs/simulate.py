@@ -14,7 +14,7 @@ from lcpflex.basics.stopwatch import Stopwatch
 from lcpflex.checks.axial_loads import with_axial_loads
 from lcpflex.checks.damping_in_time import ringing_dampers
 from lcpflex.checks.kept_depth import kept_depths
-from lcpflex.checks.loads_in_time import unseen_loads
+from lcpflex.checks.loads_in_time import with_unseen_loads
 from lcpflex.checks.rebound import rebounds
 from lcpflex.checks.resolution import unresolved
 from lcpflex.checks.wound_springs import wound_spring
@@ -213,8 +213,8 @@ def carry_out(
     if system.calls is not None:
         result = replace(result, python_calls=system.calls.number, python_time=system.calls.time)
     if step := getattr(run, "fixed_step", 0.0):
-        unseen = (*unseen_loads(result, step), *ringing_dampers(result, step, stepper))
-        result = replace(result, warnings=(*result.warnings, *unseen))
+        result = with_unseen_loads(result, step, setup.source)
+        result = replace(result, warnings=(*result.warnings, *ringing_dampers(result, step, stepper)))
     if problem_log is not None:
         result = _save_problems(problem_log, result)
     if message:

@@ -12,9 +12,10 @@
   (``numba.njit``): it is called by its address.
 
 Steps with error control end where a table bends and are at most a quarter of a period of a harmonic long. A Python
-function is probed before the run, at a thousand instants spread over the duration and more where it bends: what it does
-between two of them, and hides from both, has to be told by :class:`Function`. One that depends on the state, too, is
-probed at that of the start, and steps are at most a hundredth of the duration long.
+function is probed before the run, at up to a hundred thousand instants spread over the duration (fewer of one that
+calls many others) and more where it bends: what it does between two of them, and hides from both, has to be told by
+:class:`Function`. One that depends on the state, too, is probed at that of the start, at a thousand instants, and steps
+are at most a hundredth of the duration long.
 
 Steps of fixed length take the mean of a force over the step where a table bends or a harmonic swings within it.
 """

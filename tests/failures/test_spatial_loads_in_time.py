@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.checks.loads_in_time import _rows, _turned, resisted
+from lcpflex.checks.loads_in_time import _rows, resisted
+from lcpflex.checks.run_scales import _turned
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.spatial.configuration import advance
 from tests.spatial_scenes import thrown
