@@ -12,7 +12,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.coordinates import ANGULAR
 from lcpflex.statics.balance import Balance, Configuration
 from lcpflex.statics.path import Path
-from lcpflex.statics.refinement import refined
+from lcpflex.statics.refinement import CLOSED, refined
 from lcpflex.statics.rest import ContactAtRest, JointAtRest, Rest, Trace
 from lcpflex.statics.scales import Scales, acting_on
 from lcpflex.statics.shared_forces import SharedForces, shared_forces
@@ -22,7 +22,6 @@ from lcpflex.statics.words import what_moves
 
 __all__ = ["rest_at"]
 
-CLOSED = 1e-9  # of the size of the scene: gaps up to it are closed, and deeper ones not yet at rest
 BALANCED = 1e-9  # residual of a place of rest
 OWN = 1e-6  # of the largest force on a body: what is not balanced of a light one beside heavy ones
 LIGHTEST = 1e-13  # of the largest force: what is rounding on any body

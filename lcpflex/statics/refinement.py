@@ -33,6 +33,8 @@ TURNS = 20
 FAST = 0.01  # of the residual before: while it falls so fast, the stiffness is not computed anew
 HALVED = 0.5  # of the best residual: what is not better is rounding
 EXACT = 1e-11  # residual, relative to the forces that act and to the size, that must be reached
+# of the size: gaps up to it are closed. Of surfaces that bend, more may be than there are coordinates to close them
+CLOSED = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,15 +89,22 @@ def refined(balance: Balance, scales: Scales, path: Path) -> FloatArray | None:
     sticks = np.abs(tangential) < (1.0 - INSIDE) * limit
     ratio = np.sign(tangential) * at.friction[at.tangent]
     best, best_left, before = at.q, np.inf, np.inf
+    near, near_left = at.q, np.inf  # balanced, with gaps that are closed as far as they count
     q, K = at.q, None
     for _ in range(TURNS):
         at = balance.again(q)
         sets = sets_of(at, pressed, ratio, sticks)
-        left = scales.force(at.force + at.rows.T @ p) / here.scale
-        left = max(left, float(np.abs(sets.offset).max(initial=0.0)) / scales.size)
+        unbalanced = scales.force(at.force + at.rows.T @ p) / here.scale
+        drift = float(np.abs(sets.offset[:r]).max(initial=0.0)) / scales.size
+        apart = float(np.abs(sets.offset[r:]).max(initial=0.0)) / scales.size
+        left = max(unbalanced, drift, apart)
         done = best_left <= EXACT and left > HALVED * best_left
         if left < best_left:
             best, best_left = q, left
+        if max(unbalanced, drift) <= EXACT and apart <= CLOSED:
+            done |= apart > EXACT and apart > HALVED * near_left  # no step closes them any farther
+            if apart < near_left:
+                near, near_left = q, apart
         if done:
             break
         if K is None or left > FAST * before:
@@ -105,7 +114,7 @@ def refined(balance: Balance, scales: Scales, path: Path) -> FloatArray | None:
         q = q + dq
         if not scales.moved(q - here.at.q) <= path.longest:
             break
-    return best if best_left <= EXACT else None
+    return best if best_left <= EXACT else near if near_left <= CLOSED else None
 
 
 def _newton(K: FloatArray, sets: Sets, at: Configuration, c: FloatArray) -> tuple[FloatArray, FloatArray]:

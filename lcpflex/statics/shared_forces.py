@@ -6,6 +6,11 @@ With one solution x_p and the null space N of E it is a least-distance problem i
 non-negative least squares and then on its active constraints, to rounding. Which forces are the same in all solutions,
 and which contacts have forces within their cones in some of them, is told by linear programs.
 
+Loads and rows are known to the accuracy of the place alone. Friction at many contacts of a long flexible body does
+nearly nothing to it: E then has singular values s of 1e-9, and what is left of the balance, 1e-11 of the largest force,
+moves the forces in such a direction by 1e-11 / s, out of their cones. Where no forces balance the loads exactly, those
+directions v are open as far as that: |v.(x - x_p)| <= 1e-11 / s.
+
 Source: Lawson & Hanson 1974 (least-distance programming).
 """
 
@@ -26,6 +31,7 @@ __all__ = ["SharedForces", "shared_forces"]
 
 CUT = 1e-10  # of the largest singular value of E: forces without an effect
 BALANCED = 1e-9  # of the largest force: what may be left
+KNOWN = 1e-11  # of the largest force: what a place of rest leaves of the balance (refinement.EXACT)
 SLACK = 1e-11  # of the largest force: by how much a force may leave its cone
 ACTIVE = 1e-9  # of the largest force: nearer to the side of a cone is on it
 OPEN = 1e-7  # of the largest force: a range of solutions smaller than that is one force
@@ -75,7 +81,11 @@ def shared_forces(
     N = V[rank:].T
     C = _cones(at)[:, chosen]
     C = C[np.abs(C).sum(axis=1) > 0.0]
+    bounds = np.zeros((0, len(x) + 1))
     found = _least(x, N, C)
+    if found is None:
+        N, bounds = _nearly_open(x, sizes[:rank] / sizes[0], V)
+        found = _least_within(x, N, C, bounds)
     if found is None:
         return None
     x = found
@@ -85,9 +95,10 @@ def shared_forces(
     if not (least >= 0.0).all():
         return None
     d = np.clip(own_size, LIGHT, 1.0)
-    x, N = x / d, _orthonormal(N, E, d)
-    own = _unique(x, N, C)
-    inside = _inside(x, N, C)
+    N = np.linalg.qr(N / d[:, None])[0] if len(bounds) else _orthonormal(N, E, d)
+    ranges = _with_one(x / d, N, C, bounds * np.append(d, 1.0))
+    own = _unique(*ranges)[: len(x)]
+    inside = _inside(*ranges)[: len(C)]
     unique[chosen] = own
     k = np.flatnonzero(closed)
     pressed[k] = inside[: len(k)]
@@ -146,6 +157,38 @@ def _least(x: FloatArray, N: FloatArray, C: FloatArray) -> FloatArray | None:
         if (C @ (x + N @ trial) >= -ACTIVE).all():
             return np.asarray(x + N @ trial)
     return None
+
+
+def _nearly_open(x: FloatArray, sizes: FloatArray, V: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Directions in which the balance does not tell forces to OPEN, and how far each is open: bounds (k, n + 1).
+
+    x is a solution, and ``bounds`` are rows of ``bounds @ [x, 1] >= 0``. sizes: of the rows V, relative, where they
+    have an effect; the other rows have none.
+    """
+    rank = len(sizes)
+    first = int((sizes > KNOWN / OPEN).sum())
+    ways, reach = V[first:rank], KNOWN / sizes[first:]
+    there = ways @ x
+    bounds = [np.column_stack([sign * ways, reach - sign * there]) for sign in (1.0, -1.0)]
+    return V[first:].T, np.vstack(bounds)
+
+
+def _with_one(
+    x: FloatArray, N: FloatArray, C: FloatArray, bounds: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """[x, 1], its null space and its cones, those of x with the bounds behind them; as they are without bounds."""
+    if not len(bounds):
+        return x, N, C
+    cones = np.vstack([np.column_stack([C, np.zeros(len(C))]), bounds])
+    return np.append(x, 1.0), np.vstack([N, np.zeros(N.shape[1])]), cones
+
+
+def _least_within(x: FloatArray, N: FloatArray, C: FloatArray, bounds: FloatArray) -> FloatArray | None:
+    """The nearest to x of x + N y in the cones and within the bounds; None where there is none."""
+    if not len(bounds):
+        return None
+    found = _least(*_with_one(x, N, C, bounds))
+    return None if found is None else found[:-1]
 
 
 def _unique(x: FloatArray, N: FloatArray, C: FloatArray) -> NDArray[np.bool_]:
