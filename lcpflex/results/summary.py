@@ -222,7 +222,8 @@ def _energy(result: Result) -> str:
 
 def _accuracy(result: Result, shares: Shares) -> str:
     indentation = _largest(result.penetration if result.all_compliant else _indentation(result))
-    by_law = f"largest indentation {with_unit(indentation, 'm')}; " if result.compliant else ""
+    when = "" if result.all_compliant else "at the stored instants "
+    by_law = f"largest indentation {when}{with_unit(indentation, 'm')}; " if result.compliant else ""
     others = "" if result.all_compliant else f"largest penetration {with_unit(_largest(result.penetration), 'm')}; "
     return (
         "Accuracy\n"

@@ -103,8 +103,11 @@ def record(
         memory.number = max(needed, points)
         return RunStatus.GROW_TAPE
     recorder.counts.lost_friction = y[base]
-    recorder.counts.lost_damping = y[base + 1]
+    by_law = y[len(y) - 1]
+    recorder.counts.lost_damping = y[base + 1] - by_law
     recorder.counts.supplied = y[base + 2]
+    recorder.counts.lost_impacts += by_law - recorder.counts.lost_by_law
+    recorder.counts.lost_by_law = by_law
     row = recorder.n_instants
     sums = recorder.total_impulse.shape[1]
     for law in range(len(recorder.total_impulse)):

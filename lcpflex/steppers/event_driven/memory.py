@@ -2,6 +2,7 @@
 
 The vector y holds q (nq numbers), u (ndof), then accumulated: energy lost to friction, to damping, work of loads and
 drives [J], and the normal and tangential impulse of each declared contact, in space the latter as a vector [N s].
+Last of all, beyond what error control looks at, stands what of the damping is that of compliant contacts [J].
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.dynamics.impact_laws import SEGMENTS
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.leaf import in_space
-from lcpflex.jit.struct import allocate, array, spatial, struct
+from lcpflex.jit.struct import allocate, array, lengthen, shapes_of, spatial, struct
 from lcpflex.kinematics.configuration import normalise
 from lcpflex.model.arrays import Model
 from lcpflex.model.layout import is_spatial, sums_of_contacts
@@ -26,7 +27,16 @@ from lcpflex.steppers.golden_section import Section
 from lcpflex.steppers.runge_kutta import STAGES, interpolate
 from lcpflex.steppers.system import System
 
-__all__ = ["EVENT_KINDS", "EventMemory", "EventSettings", "copy_entry", "event_memory", "note_event", "within"]
+__all__ = [
+    "EVENT_KINDS",
+    "EventMemory",
+    "EventSettings",
+    "copy_entry",
+    "event_memory",
+    "more_impulses",
+    "note_event",
+    "within",
+]
 
 EVENT_KINDS = (
     "impact", "touch-down", "lift-off", "stick", "slip", "slip reversal", "impact without collision",
@@ -62,7 +72,7 @@ class EventSettings(NamedTuple):
 
 @struct
 class EventMemory:
-    """Work arrays for ``capacity`` contacts, ny = nq + ndof + 3 + 2 laws, in space 4 laws."""
+    """Work arrays for ``capacity`` contacts, ny = nq + ndof + 4 + 2 laws, in space 4 laws."""
 
     y: FloatArray = array("ny")  # state at the start of the step
     end: FloatArray = array("ny")  # at its end
@@ -153,7 +163,7 @@ def event_memory(system: System, capacity: int, near: int, dense: int) -> EventM
     nq, ndof = len(system.q), len(system.u)
     laws = system.n_laws
     in_space = is_spatial(system.model)
-    ny = nq + ndof + 3 + sums_of_contacts(system.model) * laws
+    ny = nq + ndof + 4 + sums_of_contacts(system.model) * laws
     memory = allocate(
         SpatialEventMemory if in_space else EventMemory,
         {"ny": ny, "ndof": ndof, "laws": laws, "contacts": capacity, "events": EVENT_CAPACITY + 3 * laws},
@@ -170,6 +180,17 @@ def event_memory(system: System, capacity: int, near: int, dense: int) -> EventM
     memory.y[:nq] = system.q
     memory.y[nq : nq + ndof] = system.u
     return memory
+
+
+def more_impulses(memory: EventMemory, components: int) -> None:
+    """Room for so many impulses more; what compliant contacts have lost stays the last number of a state."""
+    before = len(memory.y)
+    lengthen(memory, "ny", before, before + components)
+    for name, shape in shapes_of(EventMemory).items():
+        if shape[-1] == "ny":
+            values = getattr(memory, name)
+            values[..., -1] = values[..., before - 1]
+            values[..., before - 1] = 0.0
 
 
 @kernel

@@ -54,7 +54,9 @@ REPEATS = 3  # of a step, to end where it begins
 
 @kernel
 def add_compliant(contacts: CompliantContacts, u: FloatArray, base: int, out: FloatArray) -> None:
-    """Friction and impulses of compliant contacts; what their damping takes is among that of all damping."""
+    """Losses and impulses of compliant contacts; what their damping takes is also among that of all damping."""
+    for k in range(contacts.n_contacts):
+        out[len(out) - 1] -= (contacts.p[k, 0] - contacts.elastic[k]) * contacts.rate[k]
     for i in range(len(contacts.friction)):
         power = contacts.friction[i] * u[i]
         out[base] -= power

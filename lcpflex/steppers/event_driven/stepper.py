@@ -41,6 +41,7 @@ from lcpflex.steppers.event_driven.memory import (
     WINDOW,
     EventSettings,
     event_memory,
+    more_impulses,
 )
 from lcpflex.steppers.event_driven.remarks import event_remarks, shared_load
 from lcpflex.steppers.event_driven.thresholds import SLIP_PART, SPATIAL_SLIP_PART, Thresholds
@@ -268,8 +269,8 @@ class EventDrivenSteps:
         memory, old = self.clock, self.system.n_laws
         self.records.more_laws(memory, self._work)
         new = self.system.n_laws
-        length, sums = len(memory.y), sums_of_contacts(self.system.model)
-        lengthen(memory, "ny", length, length + sums * (new - old))
+        sums = sums_of_contacts(self.system.model)
+        more_impulses(memory, sums * (new - old))
         lengthen(memory, "events", len(memory.events), EVENT_CAPACITY + 3 * new)
         memory.taken[old:] = -1
         self._thresholds.more_laws(sums * (new - old))

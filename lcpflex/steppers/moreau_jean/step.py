@@ -53,6 +53,7 @@ from lcpflex.steppers.recorder import (
     Recorder,
     add_compliant_impulse,
     add_impulse,
+    all_indent,
     friction_state,
     note_compliant,
     note_contact,
@@ -178,6 +179,13 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, rec
         recorder.counts.lost_friction -= lost
         recorder.counts.lost_damping += lost
     for k in range(contacts.n_contacts):
+        both = contacts.rate[k]
+        both += row_velocity(contacts.rows, contacts.row_body, contacts.n_joint + k, contacts.dof, work.free_u)
+        lost = half * (contacts.p[k, 0] - contacts.elastic[k]) * both
+        recorder.counts.lost_impacts -= lost
+        recorder.counts.lost_damping += lost
+        if all_indent(recorder):
+            recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -contacts.table.gap[k])
         add_compliant_impulse(contacts, k, scheme.step, recorder)
     for r in range(n_joint):
         p = work.p[r]

@@ -89,7 +89,7 @@ def test_stiff_penalty_in_the_place_of_complementarity_converges_to_it(reference
 def test_the_audit_is_complete(reference):
     assert reference.energies.relative_remainder < 1e-7
     assert reference.energies.friction[-1] > 0.1
-    assert reference.energies.damping[-1] > 0.1
+    assert reference.energies.impact[-1] > 0.1
     assert not reference.warnings
 
 
