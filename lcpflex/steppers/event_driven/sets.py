@@ -30,6 +30,7 @@ from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
 from lcpflex.solvers.contact.several_motions import several_motions
 from lcpflex.steppers.event_driven.impacts import AGAIN, JAM, LOOKING, RESOLVED, SLOWEST, UNSOLVED
+from lcpflex.steppers.event_driven.leaving import leave_passing
 from lcpflex.steppers.event_driven.memory import (
     CONE,
     IMPACT,
@@ -272,16 +273,6 @@ def note_changes(work: Workspace, memory: EventMemory) -> None:
                 kind = SLIPS if before == STICK else REVERSES
             if kind != NO_EVENT:
                 note_event(memory, t, kind, law, change)
-
-
-@in_space("lcpflex.steppers.spatial.sliding")
-@kernel
-def leave_passing(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, found: int) -> int:
-    """Vertices that leave a face at this instant give way to what is there then; how many entries there are.
-
-    In the plane there are none. More than the table can hold: nothing is done yet.
-    """
-    return found
 
 
 @kernel

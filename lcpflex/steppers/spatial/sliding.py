@@ -30,12 +30,12 @@ from lcpflex.dynamics.spatial.acceleration import (
 )
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.kinematics.spatial.configuration import rate
 from lcpflex.kinematics.spatial.rotations import Vector
 from lcpflex.kinematics.spatial.vectors import added, dot, row_vector, scaled
 from lcpflex.model.arrays import SLIP, STICK
 from lcpflex.model.spatial import SpatialModel
 from lcpflex.solvers.contact.index_sets import SMOOTH, STICKING
+from lcpflex.steppers.event_driven.leaving import move_on
 from lcpflex.steppers.event_driven.memory import CONE, PRESSURE, SLIDING as SLIDES, SPAN, EventSettings, copy_entry
 from lcpflex.steppers.event_driven.segment import FORCE_TOLERANCE
 from lcpflex.steppers.recorder import Recorder
@@ -47,8 +47,9 @@ __all__ = [
     "before_it_leaves",
     "count_impulses",
     "first_side",
-    "leave_passing",
+    "is_vertex",
     "note_forces",
+    "rises",
     "steps_behind",
     "sum_of",
     "tolerance_of",
@@ -60,7 +61,6 @@ __all__ = [
 
 SUMS = 4  # of each declared contact: normal impulse, that of friction in world axes
 MOVED, UPWARDS = 1e2, 1e-6  # gap tolerances by which bodies move to tell, and by which part of that a gap opens
-PASSED = 10.0  # gap tolerances: what is no deeper where it leaves its face has not touched that
 STEPS_BEHIND = 3  # a contact that has left its feature: ever ten times as long, the first a thousandth of the usual
 GRAIN = 1e-3  # of the threshold: how far below it slip may be
 INCONSISTENT = (
@@ -282,33 +282,9 @@ def arises(model: SpatialModel, settings: EventSettings, work: SpatialWork, memo
 
 
 @kernel
-def leaving_time(model: Any, settings: EventSettings, memory: Any, k: int) -> float:
-    """Within how long the vertex of entry k of what was seen leaves its face [s]; infinite if it strikes that before.
-
-    A tilted face that slides over an edge rests on where the edge crosses its sides. Its vertices sink below the plane
-    of the other face as they reach that edge, at an angle: each has a gap of 0 as it leaves, and strikes nothing.
-    """
-    nq, seen = memory.nq, memory.seen
-    if seen.kind[k] != NODE_FACET and seen.kind[k] != NODE_CAP:
-        return math.inf
-    q, u = memory.y[:nq], memory.y[nq : nq + len(memory.u)]
-    approach = -gap_rate(model, q, u, seen, k)
-    if approach <= settings.velocity_threshold:
-        return math.inf
-    later = PASSED * settings.gap_tolerance / approach
-    move_on(model, memory, later)
-    copy_entry(seen, k, memory.near, 0)
-    refresh(model, memory.dipping[:nq], memory.near, 0)
-    return later if foot_margin(model, memory.dipping[:nq], memory.near, 0) < -SPAN_TOLERANCE else math.inf
-
-
-@kernel
-def move_on(model: Any, memory: Any, time: float) -> None:
-    """The configuration so little later [s] that velocities stay, to ``memory.dipping``."""
-    nq = memory.nq
-    rate(model, memory.y[:nq], memory.y[nq : nq + len(memory.u)], memory.slope)
-    for i in range(nq):
-        memory.dipping[i] = memory.y[i] + time * memory.slope[i]
+def is_vertex(table: Any, k: int) -> bool:
+    """Whether entry k is a single point on a flat face."""
+    return bool(table.kind[k] == NODE_FACET or table.kind[k] == NODE_CAP)
 
 
 @kernel
@@ -331,41 +307,3 @@ def rises(model: Any, settings: EventSettings, memory: Any, k: int) -> bool:
     copy_entry(seen, k, memory.near, 0)
     refresh(model, memory.dipping[:nq], memory.near, 0)
     return bool(memory.near.gap[0] - seen.gap[k] > UPWARDS * moved)
-
-
-@kernel
-def leave_passing(model: Any, settings: EventSettings, work: SpatialWork, memory: Any, found: int) -> int:
-    """Vertices that leave a face at this instant give way to what is there then; how many entries there are.
-
-    They are of bodies that touch already. More than the table can hold: nothing is done yet.
-    """
-    seen, near, nq = memory.seen, memory.near, memory.nq
-    last = 0.0
-    kept = 0
-    for k in range(found):
-        law = seen.law[k]
-        touches = False
-        for i in range(memory.n_contacts):
-            touches = touches or work.table.law[i] == law
-        later = leaving_time(model, settings, memory, k) if touches else math.inf
-        if touches and rises(model, settings, memory, k):
-            continue
-        if later < math.inf:
-            last = max(last, later)
-        else:
-            copy_entry(seen, k, seen, kept)
-            kept += 1
-    if last == 0.0:
-        return kept
-    move_on(model, memory, last)
-    count = detect(model, memory.dipping[:nq], PASSED * settings.gap_tolerance, near)
-    if max(count, kept + count) > len(seen.key):
-        return kept + count
-    for i in range(count):
-        if entry_of(seen.key, kept, near.key[i], 0) >= 0:
-            continue
-        copy_entry(near, i, seen, kept)
-        refresh(model, memory.y[:nq], seen, kept)
-        touches = abs(seen.gap[kept]) <= settings.gap_tolerance
-        kept += 1 if touches and not rises(model, settings, memory, kept) else 0
-    return kept
