@@ -38,6 +38,7 @@ COLUMNS = {
     "stated": "off, stated",
     "loud": "off, loud",
     "hinted": "off, with a warning",
+    "understated": "off by more than stated",
     "silent": "off, silent",
 }
 
@@ -58,7 +59,7 @@ def run(dimension: int, seeds: Iterable[int], log: Path) -> None:
             counts[line["outcome"]] += 1
             file.write(json.dumps(line) + "\n")
             file.flush()
-            if line["outcome"] in ("silent", "broken", "alarm", "hinted"):
+            if line["outcome"] in ("silent", "broken", "alarm", "hinted", "understated"):
                 print(f"seed {seed}: {line}", flush=True)
             if number % 10 == 0 or number == len(todo):
                 spent = time.perf_counter() - began
@@ -110,7 +111,7 @@ def _of_dimension(name: str, lines: list[dict[str, Any]]) -> list[str]:
             own = Counter(line["outcome"] for line in lines if label(line) == value)
             cells = [sum(own[k] for k in JUDGED), *(own[k] for k in COLUMNS)]
             words.append(f"| {value} | {' | '.join(map(str, cells))} |")
-    for outcome in ("silent", "broken", "hinted", "alarm", "stopped"):
+    for outcome in ("silent", "broken", "understated", "hinted", "alarm", "stopped"):
         if counts[outcome]:
             found = [str(line["seed"]) for line in lines if line["outcome"] == outcome]
             words += ["", f"{outcome.capitalize()}: seeds {', '.join(found)}."]

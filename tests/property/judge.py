@@ -3,9 +3,10 @@
 A scene has a truth up to the time at which event-driven stepping at a tolerance of 1e-12 and another method, fine
 enough, differ by more than ``AGREED`` of its size. A run is wrong where places, or velocities off impacts, are off by
 more than ``OFF`` of the size (or of the largest speed) and by more than the run itself says, or where bodies are in
-each other. Wrong is silent with neither a doubt nor a warning, hinted with warnings alone, loud with a doubt; a run
-that is right and has a doubt is a false alarm. Velocities jump: they are compared within the time by which an impact
-may be displaced, two steps or what a place needs for ``OFF`` of the size, and a difference must last longer than that.
+each other. Wrong is loud with a doubt, hinted with warnings alone, understated where the run says that it is off by
+more than ``OFF``, but of another measure or by less, and else silent; a run that is right and has a doubt is a false
+alarm. Velocities jump: they are compared within the time by which an impact may be displaced, two steps or what a
+place needs for ``OFF`` of the size, and a difference must last longer than that.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ OFF = 0.02  # of the size or the largest speed: wrong
 SHIFTS = 41  # of a reference within the time by which an impact may be displaced
 LONGEST = 0.02  # [s] by which an impact may be displaced
 RIGHT = ("quiet", "warned", "alarm")
-WRONG = ("silent", "hinted", "loud")
+WRONG = ("silent", "understated", "hinted", "loud")
 JUDGED = (*RIGHT, "stated", "stopped", *WRONG)
 ALARMS = ("alarm", "stopped")  # right, and said not to be trusted; an error where there is a truth
 
@@ -180,4 +181,5 @@ def _outcome(errors: Errors, doubted: Iterable[str], warned: Iterable[str]) -> t
         return ("alarm" if doubted else "warned" if said else "quiet"), said
     if not errors.wrong and not doubted:
         return "stated", said
-    return ("loud" if doubted else "hinted" if said else "silent"), said
+    coarse = max(errors.stated, errors.stated_speed) > OFF  # which its verdict tells, with what to do
+    return ("loud" if doubted else "hinted" if said else "understated" if coarse else "silent"), said
