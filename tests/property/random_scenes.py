@@ -82,9 +82,10 @@ def draw(dimension: int, seed: int) -> Drawn:
     layout = kind(yard)
     shares = _steppers(layout)
     stepper = str(rng.choice(list(shares), p=np.array(list(shares.values())) / sum(shares.values())))
-    fineness = 10.0 ** (rng.uniform(-4.3, -1.8) if stepper in FIXED else rng.uniform(-9.0, -3.0))
+    low, high = (-4.3, -1.8) if stepper in FIXED else (-9.0, -3.0)
     if stepper.endswith("controlled"):
-        fineness = max(fineness, 1e-7)  # of order 1 at impacts: tighter ones take millions of steps
+        low = -6.0  # of order 1 at impacts: tighter ones take millions of steps
+    fineness = 10.0 ** rng.uniform(low, high)
     if layout.touch and stepper in FIXED:  # so many steps a touch
         fineness = layout.touch / 10.0 ** rng.uniform(0.3, 2.0)
     friction = float(rng.choice([0.0, rng.uniform(0.05, 1.0)], p=[0.25, 0.75]))
