@@ -15,8 +15,8 @@ from lcpflex.compile.consistency import (
     consistent_start,
     refuse_no_body,
     refuse_overbent,
-    refuse_penetration,
     refuse_unguided,
+    start_apart,
 )
 from lcpflex.compile.contacts import compile_contacts
 from lcpflex.compile.joints import compile_joints
@@ -38,18 +38,23 @@ __all__ = ["compiled_scene"]
 
 
 def compiled_scene(
-    scene: Scene, project: bool, indents: Callable[[str], bool] | None, gives_way: bool, listed: bool = False
+    scene: Scene,
+    project: bool,
+    indents: Callable[[str], bool] | None,
+    gives_way: bool,
+    listed: bool = False,
+    push: bool = False,
 ) -> CompiledScene:
     """The scene with its bodies reduced, as arrays. Raises ModelError for a start that cannot be.
 
     ``listed``: every pair that a rule is for is a declared contact, be they ever so many; so it is where ``indents``
-    asks for each.
+    asks for each. ``push``: contacts that penetrate are pushed out.
     """
     listed = listed or indents is not None
     reduced, said = reduced_scene(scene, gives_way, listed)
     parts = reduced.parts()
     materials = Materials(parts.placed, [body.modes for body in parts.bodies])
-    compiled = compiled_parts(reduced.gravity, parts, materials, project, indents, listed)
+    compiled = compiled_parts(reduced.gravity, parts, materials, project, indents, listed, push)
     return replace(compiled, notes=(*compiled.notes, *(f"residual modes for {text}" for text in said)))
 
 
@@ -60,6 +65,7 @@ def compiled_parts(
     project: bool,
     indents: Callable[[str], bool] | None,
     listed: bool = False,
+    push: bool = False,
 ) -> CompiledScene:
     """A scene of reduced bodies as arrays; ``materials``: what points of the scene as it was declared mean in it."""
     placed, joints, loads, contacts, rules, surfaces, sensors = parts
@@ -105,9 +111,10 @@ def compiled_parts(
     size = scene_size(model, circles, q)
     if joints:
         q, u = consistent_start(model, joints, q, u, external, size, project)
+    notes: tuple[str, ...] = ()
     if declared or rule:
         hard = {name for name, contact in declared.items() if contact.law is None and not (indents and indents(name))}
-        refuse_penetration(model, q.copy(), layout, hard, size)
+        q, u, notes = start_apart(model, layout, hard, q, u, external, size, push)
     laws = tuple(c.law for c in declared.values())
     flexible = {p.body for p, body in zip(placed, parts.bodies, strict=True) if body.modes}
     touched = declared if rule is None else {**declared, **rule.first_contacts(flexible)}
@@ -123,7 +130,7 @@ def compiled_parts(
         assembly.signals.functions,
         materials,
         (*left_out.warnings, *missing_compliance(parts, touched)),
-        left_out.notes,
+        (*left_out.notes, *notes),
         recovery=tuple(body.recovery for body in parts.bodies),
         sensors=tuple(compiled_sensor(name, sensor) for name, sensor in sensors.items()),
     )

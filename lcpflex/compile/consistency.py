@@ -30,8 +30,8 @@ __all__ = [
     "consistent_start",
     "refuse_no_body",
     "refuse_overbent",
-    "refuse_penetration",
     "refuse_unguided",
+    "start_apart",
 ]
 
 JOINT_TOLERANCE = 1e-9  # [rad], or times the size of the scene [m]; the same for velocities
@@ -180,22 +180,42 @@ def _refuse_violation(
     return told
 
 
-def refuse_penetration(model: Any, q: FloatArray, layout: Layout, hard: set[str], size: float) -> None:
-    """Raise ModelError for the deepest initial penetration beyond tolerance of a contact that is ``hard``, or by rule.
+def start_apart(
+    model: Any,
+    layout: Layout,
+    hard: set[str],
+    q: FloatArray,
+    u: FloatArray,
+    external: FloatArray,
+    size: float,
+    push: bool,
+) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
+    """A start without penetration of contacts that are ``hard``, or by rule, and notes: the given one, or pushed out.
 
-    A rule that is not listed is hard.
+    A rule that is not listed is hard. Raises ModelError for the deepest penetration beyond tolerance.
     """
-    table, found = near(pack(model), q, 0.0)
     names = layout.contacts
 
-    def name(k: int) -> str:
+    def name(table: Any, k: int) -> str:
         law = int(table.law[k])
         return names[law] if law < len(names) else layout.pair_name(*surfaces_of(model.contacts, int(table.key[k])))
 
-    depths = {k: -float(table.gap[k]) for k in range(found) if table.law[k] >= len(names) or name(k) in hard}
+    def is_hard(table: Any, k: int) -> bool:
+        return bool(table.law[k] >= len(names)) or name(table, k) in hard
+
+    notes: tuple[str, ...] = ()
+    if push:
+        from lcpflex.compile.pushed_start import pushed_start  # with solvers that few starts need
+
+        pushed = pushed_start(model, q, u, external, size, name, is_hard, layout.bodies)
+        if pushed is not None:
+            q, u, notes = pushed.q, pushed.u, (pushed.note,)
+    table, found = near(pack(model), q.copy(), 0.0)
+    depths = {k: -float(table.gap[k]) for k in range(found) if is_hard(table, k)}
     deepest = max(depths, key=depths.__getitem__, default=-1)
     if deepest >= 0 and not (depth := depths[deepest]) <= PENETRATION * size:
         raise ModelError(
-            f"contact {name(deepest)!r}: its surfaces penetrate by {depth:.6g} m at the start, "
-            f"expected at most {PENETRATION * size:.1g} m: move the bodies apart"
+            f"contact {name(table, deepest)!r}: its surfaces penetrate by {depth:.6g} m at the start, expected at most "
+            f"{PENETRATION * size:.1g} m: move the bodies apart, or use project=True, which pushes them out"
         )
+    return q, u, notes

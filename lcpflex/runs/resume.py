@@ -135,7 +135,7 @@ def _source(kept: Checkpoint, scene: Scene | UserSystem | None, stepper: Stepper
         if not isinstance(found, CompiledScene):
             raise kept.damaged(ValueError("other entries than expected"))
         return found
-    given = compiled_for(scene, stepper, options.project)
+    given = compiled_for(scene, stepper, options.project, options.project)
     arrays: Arrays = {}
     node, _ = scene_node(_at_start(given, kept), arrays)
     if differs := difference(kept.structure["scene"], node, kept.arrays, arrays, "scene"):

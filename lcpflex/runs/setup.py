@@ -97,9 +97,9 @@ class Setup:
 
 
 def compiled_for(
-    scene: Scene | SpatialScene | UserSystem, stepper: Stepper, project: bool
+    scene: Scene | SpatialScene | UserSystem, stepper: Stepper, project: bool, push: bool = False
 ) -> CompiledScene | UserSystem:
-    """``scene`` compiled for ``stepper``; a user's own system as it is."""
+    """``scene`` compiled for ``stepper``, what penetrates pushed out with ``push``; a user's own system as it is."""
     if isinstance(scene, UserSystem):
         return scene
     if not isinstance(scene, Scene):
@@ -107,7 +107,7 @@ def compiled_for(
 
         if not isinstance(scene, SpatialScene):
             raise ModelError(f"scene: {shown(scene)} was given, expected a Scene, a SpatialScene or a UserSystem")
-    return scene.compiled(project, _indents(stepper), getattr(stepper, "gives_way", False))
+    return scene.compiled(project, _indents(stepper), getattr(stepper, "gives_way", False), push)
 
 
 def set_up(

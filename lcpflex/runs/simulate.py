@@ -100,7 +100,10 @@ def simulate(
     progress
         Show a progress bar; by default on a terminal, once the run has lasted two seconds.
     project
-        Project an initial state that violates joints onto them, instead of refusing it.
+        Move an initial state that violates joints onto them, and push bodies that penetrate each other apart, instead
+        of refusing it: the least motion in the mass metric M + (1000 / omega_1)^2 K, in which bodies deform only where
+        joints leave them no other way. All gaps are then >= 0 to rounding, and the notes of the result tell how far
+        each contact was pushed. What is wedged is refused.
     energy_growth
         Whether contact impulses that create energy end the run, make a warning (default), or are accepted.
     record_problems
@@ -134,7 +137,7 @@ def simulate(
         duration, stepper, record, progress, project, energy_growth, record_problems
     )
     with expecting(kind_of_run(scene, stepper)):
-        source = compiled_for(scene, stepper, project or isinstance(initial, Rest))
+        source = compiled_for(scene, stepper, project or isinstance(initial, Rest), project and initial is None)
         notes: tuple[str, ...] = ()
         if initial is not None:
             source, notes = started_from(source, initial, stepper)

@@ -302,8 +302,9 @@ class Scene(Register):
     def compile(self, project: bool = False, indents: Callable[[str], bool] | None = None) -> CompiledScene:
         """Check the scene as a whole and compile it; the scene is not changed.
 
-        With ``project``, an initial state that violates joints is moved onto them (nearest in the mass metric); else it
-        is an error. So is an initial penetration, but of contacts by a force law, and of those that ``indents`` names.
+        With ``project``, an initial state that violates joints is moved onto them, and bodies that penetrate each other
+        are pushed apart, by the least motion in the mass metric (see :func:`lcpflex.simulate`); else both are errors.
+        Contacts by a force law, and those that ``indents`` names, may penetrate.
 
         Warns
         -----
@@ -313,21 +314,26 @@ class Scene(Register):
         """
         if indents is not None and (isinstance(indents, type) or not callable(indents)):
             raise ModelError(f"indents: {shown(indents)} was given, expected a function of the name of a contact")
-        compiled = self.compiled(flag("project", project), None if indents is None else told_by("indents", indents))
+        project = flag("project", project)
+        compiled = self.compiled(project, None if indents is None else told_by("indents", indents), push=project)
         for warning in compiled.warnings:
             warnings.warn(warning, ModelWarning, stacklevel=2)
         return compiled
 
     def compiled(
-        self, project: bool = False, indents: Callable[[str], bool] | None = None, gives_way: bool = False
+        self,
+        project: bool = False,
+        indents: Callable[[str], bool] | None = None,
+        gives_way: bool = False,
+        push: bool = False,
     ) -> CompiledScene:
         """:meth:`compile` without a word: its warnings are those of the result.
 
         ``gives_way``: bodies that are reduced here give way by modes of their own at every contact.
 
-        project, indents: as in :meth:`compile`.
+        project, indents: as in :meth:`compile`; push: whether contacts that penetrate are pushed out, too.
         """
-        return compiling.compiled_scene(self, project, indents, gives_way)
+        return compiling.compiled_scene(self, project, indents, gives_way, push=push)
 
     def reduced(self) -> Scene:
         """This scene with the bodies reduced that are reduced when it is compiled; itself where there are none."""

@@ -15,6 +15,7 @@ Derivatives are central differences of r.
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,7 @@ from lcpflex.dynamics.applied_forces import applied_forces
 from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.dynamics.start import violation
-from lcpflex.errors import ModelError, SolverError, in_range, shown
+from lcpflex.errors import ModelError, ModelWarning, SolverError, in_range, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.planar import N_RIGID
@@ -93,7 +94,9 @@ def small_vibrations(scene: Scene, spin: float = 0.0) -> Vibrations:
     refuse_space("small_vibrations", scene)
     if not isinstance(scene, Scene):
         raise ModelError(f"scene: {shown(scene)} was given, expected a Scene")
-    compiled = scene.compile(project=True)
+    compiled = scene.compiled(project=True)  # what penetrates is refused: it would vibrate about another place
+    for warning in compiled.warnings:
+        warnings.warn(warning, ModelWarning, stacklevel=2)
     if spin != 0.0 and np.any(compiled.model.loads.gravity):
         raise ModelError("gravity: it was given with a spin, expected none: a scene that turns in it is never steady")
     turning = _Turning(compiled, spin)

@@ -9,7 +9,7 @@ import numpy as np
 
 from lcpflex.bodies.spatial.shapes import CapsuleShape, CylinderShape, Shape, SphereShape, SurfaceShape
 from lcpflex.compile.compiled_scene import CompiledScene, Layout
-from lcpflex.compile.consistency import consistent_start, refuse_penetration
+from lcpflex.compile.consistency import consistent_start, start_apart
 from lcpflex.compile.spatial.assembly import SpatialAssembly
 from lcpflex.compile.spatial.bodies import compile_spatial_bodies
 from lcpflex.compile.spatial.contacts import compile_spatial_contacts
@@ -32,11 +32,11 @@ __all__ = ["compiled_spatial_scene"]
 
 
 def compiled_spatial_scene(
-    scene: SpatialScene, project: bool, indents: Callable[[str], bool] | None = None
+    scene: SpatialScene, project: bool, indents: Callable[[str], bool] | None = None, push: bool = False
 ) -> CompiledScene:
     """The scene as arrays. Raises ModelError for a start that cannot be.
 
-    ``indents``: which contacts may indent each other at the start, by their names.
+    ``indents``: which contacts may indent each other at the start, by their names. ``push``: the others are pushed out.
     """
     parts = scene.parts()
     if not parts.placed:
@@ -82,9 +82,10 @@ def compiled_spatial_scene(
     size = spatial_size(parts, model, q)
     if parts.joints:
         q, u = consistent_start(model, parts.joints, q, u, external, size, project)
+    notes: tuple[str, ...] = ()
     if declared or rule:
         hard = {name for name, one in declared.items() if one.law is None and not (indents and indents(name))}
-        refuse_penetration(model, q.copy(), layout, hard, size)
+        q, u, notes = start_apart(model, layout, hard, q, u, external, size, push)
     return CompiledScene(
         model,
         layout,
@@ -96,7 +97,7 @@ def compiled_spatial_scene(
         tuple(contact.law for contact in declared.values()),
         assembly.signals.functions,
         warnings=left_out.warnings,
-        notes=left_out.notes,
+        notes=(*left_out.notes, *notes),
         recovery=tuple(body.recovery for body in parts.bodies),
         sensors=tuple(compiled_spatial_sensor(name, one, bodies, layout) for name, one in parts.sensors.items()),
     )
