@@ -14,6 +14,7 @@ from lcpflex.bodies.fem.assembly import Solid, lame_constants
 from lcpflex.bodies.fem.checked_mesh import planar_mesh
 from lcpflex.bodies.fem.elastic_mesh import finite_elements_of
 from lcpflex.bodies.fem.finite_elements import FiniteElements
+from lcpflex.bodies.fem.length_unit import check_size, metres
 from lcpflex.bodies.fem.material import check_material
 from lcpflex.bodies.fem.stiffness_error import stiffness_error
 from lcpflex.bodies.reduction.component_modes import free_interface
@@ -47,6 +48,8 @@ class Continuum:
     sets : name -> predicate f(x, y) -> bool of node places (arrays or numbers), node numbers, or the name of a group of
         the mesh. One node is a named point; nodes that are those of one unbroken row of boundary edges are a surface
         (solid on its left); anything else, as an area or two separate rows, is a node set for reductions only.
+    length_unit : of the places of the mesh: "m", "mm", "cm", "um", "in", "ft", or a number of metres; all else is in SI
+        units, sets too. None: metres, with a warning where these can hardly be meant
 
     Raises
     ------
@@ -58,8 +61,9 @@ class Continuum:
     -----
     ModelWarning
         If no material has that wave speed sqrt(E / rho): a unit is wrong. If nodes without an element are left out. If
-        linear elements lock: plane strain of a ratio above 0.48. When a body is made of it: if one of its three lowest
-        modes is more than 10 % too stiff, by an estimate; :meth:`stiffness_error` computes it.
+        linear elements lock: plane strain of a ratio above 0.48. If the body is larger than solids of its material are,
+        as a mesh in millimetres is that is taken for one in metres. When a body is made of it: if one of its three
+        lowest modes is more than 10 % too stiff, by an estimate; :meth:`stiffness_error` computes it.
     """
 
     mesh: Any
@@ -69,6 +73,7 @@ class Continuum:
     thickness: float = 1.0
     plane_strain: bool = False
     sets: Mapping[str, Any] = field(default_factory=dict)
+    length_unit: str | float | None = None
     _finite_elements: FiniteElements = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -80,7 +85,9 @@ class Continuum:
         speed = math.sqrt(self.youngs_modulus / self.density)
         if self.plane_strain:
             speed /= math.sqrt(1.0 - self.poissons_ratio**2)
-        solid = Solid(planar_mesh(self.mesh), self.density, lame, self.thickness, not self.plane_strain)
+        mesh = planar_mesh(self.mesh, metres(self.length_unit))
+        check_size(self, mesh)
+        solid = Solid(mesh, self.density, lame, self.thickness, not self.plane_strain)
         object.__setattr__(self, "_finite_elements", finite_elements_of(solid, self.sets, speed))
 
     def finite_elements(self) -> FiniteElements:

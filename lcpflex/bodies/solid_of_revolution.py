@@ -11,6 +11,7 @@ from lcpflex.bodies.fem.assembly import Solid, lame_constants
 from lcpflex.bodies.fem.checked_mesh import planar_mesh
 from lcpflex.bodies.fem.elastic_mesh import finite_elements_of
 from lcpflex.bodies.fem.finite_elements import FiniteElements
+from lcpflex.bodies.fem.length_unit import check_size, metres
 from lcpflex.bodies.fem.material import check_material
 from lcpflex.bodies.fem.planar_mesh import FLAT, PlanarMesh
 from lcpflex.bodies.fem.stiffness_error import stiffness_error
@@ -42,7 +43,7 @@ class SolidOfRevolution:
     density : [kg/m^3]
     youngs_modulus : [Pa]
     poissons_ratio : in (-1, 0.5)
-    sets : as for :class:`Continuum`
+    sets, length_unit : as for :class:`Continuum`
 
     Raises
     ------
@@ -60,12 +61,15 @@ class SolidOfRevolution:
     youngs_modulus: float
     poissons_ratio: float
     sets: Mapping[str, Any] = field(default_factory=dict)
+    length_unit: str | float | None = None
     _finite_elements: FiniteElements = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         check_material(self)
         lame = lame_constants(self.youngs_modulus, self.poissons_ratio, plane_stress=False)
-        solid = Solid(_above_axis(planar_mesh(self.mesh)), self.density, lame, None)
+        mesh = planar_mesh(self.mesh, metres(self.length_unit))
+        check_size(self, mesh)
+        solid = Solid(_above_axis(mesh), self.density, lame, None)
         speed = math.sqrt(self.youngs_modulus / self.density)
         object.__setattr__(self, "_finite_elements", finite_elements_of(solid, self.sets, speed))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,8 +19,8 @@ from lcpflex.jit.kernel import IntArray
 __all__ = ["planar_mesh"]
 
 
-def planar_mesh(mesh: Any) -> PlanarMesh:
-    """The checked mesh of a scikit-fem mesh, or of a file that meshio reads.
+def planar_mesh(mesh: Any, unit: float = 1.0) -> PlanarMesh:
+    """The checked mesh of a scikit-fem mesh, or of a file that meshio reads, whose unit of length has ``unit`` metres.
 
     Elements that run clockwise are turned around. Nodes without an element are left out, with a warning.
 
@@ -29,15 +30,17 @@ def planar_mesh(mesh: Any) -> PlanarMesh:
         For anything else, another kind of element, elements without area or with a fold, places that are not finite,
         elements that overlap or hang together at a corner only, and a mesh in several parts.
     """
-    if isinstance(mesh, PlanarMesh):
+    if isinstance(mesh, PlanarMesh) and unit == 1.0:
         return mesh
+    if isinstance(mesh, PlanarMesh):
+        return _checked(replace(mesh, places=unit * mesh.places))
     if isinstance(mesh, (str, os.PathLike)):
         found = read_mesh(mesh)
         if not isinstance(found, PlanarMesh):
             found = _from_scikit_fem(found, repr(os.fspath(mesh)))
     else:
         found = _from_scikit_fem(mesh, "mesh")
-    return _checked(found)
+    return _checked(found if unit == 1.0 else replace(found, places=unit * np.asarray(found.places)))
 
 
 def _from_scikit_fem(mesh: Any, source: str) -> PlanarMesh:

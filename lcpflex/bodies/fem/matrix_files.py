@@ -24,6 +24,7 @@ from lcpflex.basics import libs
 from lcpflex.basics.archives import load_arrays
 from lcpflex.basics.arguments import lines_of, numbers as numbers_in
 from lcpflex.bodies.body import array_of, named
+from lcpflex.bodies.fem.length_unit import metres
 from lcpflex.bodies.matrices import Matrices
 from lcpflex.errors import ModelError, path_of, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -56,6 +57,8 @@ def matrices_from_files(
     coordinates: str | os.PathLike[str] | npt.ArrayLike,
     node_sets: Mapping[str, int | Sequence[int]] | None = None,
     damping: str | os.PathLike[str] | None = None,
+    *,
+    length_unit: str | float | None = None,
 ) -> Matrices:
     """A planar unsupported body from the matrices of another program: M d'' + C d' + K d = forces.
 
@@ -68,6 +71,8 @@ def matrices_from_files(
     mass, stiffness, damping : names of files, as the module lists them [kg], [N/m], [N s/m]
     coordinates : (N, 2) places of the nodes, or (N, 3) with the numbers of the nodes first, or the name of a file with
         such an array [m]. Without numbers the nodes come in the order of the rows.
+    length_unit : of the coordinates: "m", "mm", "cm", "um", "in", "ft", or a number of metres; None: metres. The
+        matrices are in kg and N/m whatever it is: multiply those of a model in mm, t, s and N by 1000
     node_sets : as for :class:`Matrices`; with the numbers of the nodes if the coordinates have them, else from 0
 
     Raises
@@ -98,6 +103,8 @@ def matrices_from_files(
         for name, nodes in named("node_sets", {} if node_sets is None else node_sets).items()
     }
     whole = {name: value.matrix if isinstance(value, Labelled) else value for name, value in read.items()}
+    unit = metres(length_unit)
+    places = places if unit == 1.0 else unit * places
     return Matrices(whole["mass"], whole["stiffness"], places, sets, whole.get("damping"))
 
 
