@@ -75,8 +75,7 @@ __getattr__, __dir__ = attach(__name__)  # classes of what the methods return
 class Result(NamesNearest):
     """A simulation at m stored instants, with nc declared contacts and ndof coordinates.
 
-    The layout of ``q`` and ``u`` is that of :mod:`lcpflex.model.arrays`: per body x, y, angle and its modal
-    coordinates.
+    ``q`` and ``u`` are laid out as in :mod:`lcpflex.model.arrays`: per body x, y, angle and its modal coordinates.
 
     Where contacts share a load in more than one way, the forces of an instant are the least that give the motion, of an
     event-driven run of as many redundant supports as carry it. Impulses are those that the solver found. In space both
@@ -120,6 +119,7 @@ class Result(NamesNearest):
     crept: tuple[float, ...] = ()  # path of slip of each contact while creeping [m]; empty if none of them can
     place_error: float | None = None  # [m] local errors of the steps, summed, of the body worst off; None: not known
     speed_error: float | None = None  # [m/s]; both as shares of a coordinate's range in a system of the user's own
+    impact_step: float = 0.0  # [s] of steps that place impacts at their ends; 0: none do, or their length changes
     strict: FloatArray | None = None  # (m,) the residual relative to the free velocity alone; None: not known
     # of each joint, see ``reaction``; None in results of older versions
     joint_force: FloatArray | None = None  # (m, nj, 3) F_x, F_y [N], M [N m]; in space 6: F, M

@@ -12,7 +12,7 @@ from lcpflex.results.contact_history import CLOSED
 from lcpflex.results.energy_balance import ROUNDING as ROUNDED, held_energy
 from lcpflex.results.modal_coordinates import modal_coordinates
 from lcpflex.results.stated_error import error_shares, scene_size
-from lcpflex.steppers.scales import SUNK
+from lcpflex.results.sunk import worst_drift, worst_penetration
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
@@ -26,7 +26,6 @@ UNEXPLAINED = 0.02  # energy that nobody can explain, relative to the largest st
 UNSOLVED = 1e-6  # natural-map residual of a contact problem, relative to its data
 LOOSE = 1e-4  # the same relative to the velocity that contacts would have without their forces
 COARSE = 0.02  # stated error of the steps, relative to the size of the scene or the largest speed
-STEPPED = 5e-3  # penetration that the stated error of the steps explains, likewise
 ROUNDING = 1e-12  # tangential impulse below this share of the normal one is none
 FINE = " Whether the step and the modes are fine enough, only a second run with finer ones shows."
 LISTED = 8  # contacts that are described one by one
@@ -67,15 +66,14 @@ def doubts(result: Result) -> tuple[str, ...]:
         )
     size = scene_size(result)
     if size is not None:
-        values = {"penetration": result.penetration, "joint drift": result.joint_drift}
-        if result.all_compliant:
-            del values["penetration"]
-        # half a step of approach, which the stated error of the steps counts
-        stepped = min(2.0 * (result.place_error or 0.0), STEPPED * size)
-        for name, value in values.items():
-            if not _largest(value) <= max(SUNK * size, stepped if name == "penetration" else 0.0):
+        for name, worst in (
+            ("penetration", worst_penetration(result, size)),
+            ("joint drift", worst_drift(result, size)),
+        ):
+            if worst is not None:
                 found.append(
-                    f"the {name} of {with_unit(_largest(value), 'm')} is large for a scene of {with_unit(size, 'm')}"
+                    f"the {name} of {with_unit(worst.value, 'm')} is large for a scene of {with_unit(size, 'm')} "
+                    f"({worst.where})"
                 )
     return tuple(found)
 

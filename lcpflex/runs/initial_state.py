@@ -12,6 +12,8 @@ from lcpflex.dynamics.start import violation
 from lcpflex.errors import ModelError, shown
 from lcpflex.model.coordinates import ANGULAR
 from lcpflex.results.result import Result
+from lcpflex.results.summary import doubts
+from lcpflex.results.sunk import CONTINUED
 from lcpflex.statics.rest import Rest
 
 if TYPE_CHECKING:
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
     from lcpflex.runs.setup import Stepper
     from lcpflex.scene.user_system import UserSystem
 
-__all__ = ["started_from"]
+__all__ = ["began_wrong", "started_from"]
 
 OFF = 1e-3  # of the size, or rad: what joints may be off at the start; runs without projection drift by less
 
@@ -65,6 +67,15 @@ def started_from(
         u.setflags(write=False)
     notes = _notes_at_rest(initial) if isinstance(initial, Rest) else _notes(source, initial, stepper)
     return replace(source, q=q, u=u), tuple(notes)
+
+
+def began_wrong(initial: Result | Rest | None) -> tuple[str, ...]:
+    """Clauses: why the result that a run begins from is not to be trusted, and so this run is not, either."""
+    if not isinstance(initial, Result):
+        return ()
+    # how far it came is no matter of its last state
+    found = doubts(replace(initial, complete=True))
+    return (f"the result that it began from is not to be trusted ({'; '.join(found)})",) if found else ()
 
 
 def _refuse_off_joints(source: CompiledScene, q: FloatArray) -> None:
@@ -123,6 +134,6 @@ def _notes(source: Any, initial: Result, stepper: Stepper) -> list[str]:
     lost = [words for words in lost if words]
     kept = "; ".join(lost) if lost else "its stepper remembers nothing else, and goes on as without a break"
     return [
-        f"the run began from the last state of a result, at t = {float(initial.times[-1]):.9g} s there, and its time, "
+        f"{CONTINUED}, at t = {float(initial.times[-1]):.9g} s there, and its time, "
         f"with loads and drives in time, at 0: of positions and velocities alone; {kept}"
     ]

@@ -60,6 +60,7 @@ class Options:
     project: bool
     energy_growth: EnergyGrowth
     notes: tuple[str, ...] = ()  # on the start, for the result
+    began_wrong: tuple[str, ...] = ()  # clauses: why what it began from is not to be trusted
     every: float = 0.0  # between checkpoints [s]
     records_problems: bool = False
 

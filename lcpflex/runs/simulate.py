@@ -35,7 +35,7 @@ from lcpflex.results.result import Event, Result
 from lcpflex.results.stated_error import stated_errors
 from lcpflex.results.stored_instants import stored_as
 from lcpflex.runs.checkpoint import Checkpoints
-from lcpflex.runs.initial_state import started_from
+from lcpflex.runs.initial_state import began_wrong, started_from
 from lcpflex.runs.limits import Limits
 from lcpflex.runs.page_result import touching_points, with_creep
 from lcpflex.runs.request import checked_request
@@ -143,7 +143,8 @@ def simulate(
             source, notes = started_from(source, initial, stepper)
         records_problems = record_problems is not None
         every = in_range("every", every, 0.0, float("inf"))
-        options = Options(duration, interval, project, energy_growth, notes, every, records_problems)
+        wrong = began_wrong(initial)
+        options = Options(duration, interval, project, energy_growth, notes, wrong, every, records_problems)
         keeper = None if checkpoint is None else Checkpoints(checkpoint, every)
         if keeper is not None:
             keeper.refuse_others()
@@ -335,6 +336,7 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
         compliant=run.records.compliant,
         crept=crept(laws, found.model.contacts.friction[: len(laws)], data["times"], state, data["force"]),
         found_wrong=(
+            *options.began_wrong,
             *run.records.wrong(),
             *energy_doubts(
                 energies, run.records.gain, options.energy_growth, run.steps, loads, held, compiled is not None
@@ -343,6 +345,7 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
         notes=(*(compiled.notes if compiled is not None else ()), *options.notes, *run.records.notes),
         place_error=place_error,
         speed_error=speed_error,
+        impact_step=run.records.impact_step,
     )
 
 

@@ -1,0 +1,121 @@
+"""How deep bodies are in each other, and how far joints have drifted: where, when, and whether that is too much.
+
+Time stepping at velocity level closes a contact at the end of the step in which it meets, up to h |v| deep, and keeps
+it there: what no pair could pass in one step is an error of something else. The step is compared at its own instant, so
+that a run that goes on with another has the verdict of its parts; what it began with is not its own.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from lcpflex.jit.struct import pack
+from lcpflex.steppers.scales import SUNK
+from lcpflex.steppers.step_error import Units
+
+if TYPE_CHECKING:
+    from lcpflex.jit.kernel import FloatArray
+    from lcpflex.results.result import Result
+
+__all__ = ["CONTINUED", "Worst", "worst_drift", "worst_penetration"]
+
+CONTINUED = "the run began from the last state of a result"  # a note of such runs
+STEPPED = 0.05  # of the size: a penetration that no step is allowed to leave, whatever it states of its error
+ESTIMATED = 5e-3  # of the size: what the stated error of the steps explains where the length of a step is not known
+SEEN = 0.5  # of a penetration or drift: what has so much of it at a stored instant is what had all of it
+
+
+class Worst(NamedTuple):
+    """The largest penetration or drift that nothing explains [m], and where and when it was, in words."""
+
+    value: float
+    where: str
+
+
+def worst_penetration(result: Result, size: float) -> Worst | None:
+    """The deepest penetration that is large for bodies of ``size`` [m] and no step's approach; None without any."""
+    depth, allowed = result.penetration, SUNK * size
+    if result.all_compliant or not len(depth) or depth.max() <= allowed:
+        return None
+    step = result.impact_step
+    reach = np.minimum(step * _speeds(result), STEPPED * size) if step > 0.0 else np.zeros(len(depth))
+    if not step > 0.0:
+        allowed = max(allowed, min(2.0 * (result.place_error or 0.0), ESTIMATED * size))
+    # what it began with, or a step has left, stays
+    worst, level = -1, float(depth[0]) if any(note.startswith(CONTINUED) for note in result.notes) else 0.0
+    for k in range(len(depth)):
+        if depth[k] <= level:
+            continue
+        if depth[k] <= reach[k] and _pushed(result, k):
+            level = float(depth[k])
+        elif not depth[k] <= allowed and not (worst >= 0 and depth[k] <= depth[worst]):
+            worst = k
+    if worst < 0:
+        return None
+    law = _deepest(result, worst)
+    where = f"contact {result.contact_names[law]!r} at " if law >= 0 else ""
+    less = f": a step of {step * SUNK * size / depth[worst]:.2g} s leaves a thousandth" if step > 0.0 else ""
+    return Worst(float(depth[worst]), f"{where}t = {result.times[worst]:.6g} s{less}")
+
+
+def _speeds(result: Result) -> FloatArray:
+    """(m,) largest speed of a point of a body [m/s] at each stored instant and the one before."""
+    assert result.compiled is not None
+    with np.errstate(all="ignore"):  # a run that went astray is judged by that
+        speeds = Units(result.compiled.model, result.u.shape[1]).of(result.u).max(axis=1, initial=0.0)
+    # two bodies may approach each other
+    return np.asarray(2.0 * np.maximum(speeds, np.concatenate([speeds[:1], speeds[:-1]])))
+
+
+def _pushed(result: Result, k: int) -> bool:
+    """Whether what was deepest about stored instant k was held: what is pushed out without an impulse was missed."""
+    law = _deepest(result, k)
+    before, after = max(k - 1, 0), min(k + 1, len(result.times) - 1)
+    return law >= 0 and bool(result.impulse[after, law, 0] > result.impulse[before, law, 0])
+
+
+def _deepest(result: Result, k: int) -> int:
+    """The contact that was deepest at stored instant k, or took most impulse before it; -1 where none was."""
+    rigid = ~np.isin(result.contact_names, result.compliant)
+    depth = np.where(rigid & np.isfinite(result.gap[k]), -result.gap[k], -np.inf)
+    if depth.size and depth.max() >= SEEN * result.penetration[k]:
+        return int(depth.argmax())
+    taken = np.where(rigid, result.impulse[k, :, 0] - result.impulse[max(k - 1, 0), :, 0], 0.0)
+    return int(taken.argmax()) if taken.max(initial=0.0) > 0.0 else -1
+
+
+def worst_drift(result: Result, size: float) -> Worst | None:
+    """The largest drift of joints that is large for bodies of ``size`` [m]; None without any."""
+    drift = result.joint_drift
+    if not len(drift) or drift.max() <= SUNK * size:
+        return None
+    k = int(drift.argmax())
+    where = f"joint {name!r} at " if (name := _off(result, k)) else ""
+    return Worst(float(drift[k]), f"{where}t = {result.times[k]:.6g} s")
+
+
+def _off(result: Result, k: int) -> str:
+    """The joint that is violated most at stored instant k; empty where it is no longer."""
+    from lcpflex.kinematics.joint_rows import joint_residual  # kernels that few results need
+
+    compiled = result.compiled
+    if compiled is None or not compiled.layout.joints or not np.isfinite(result.q[k]).all():
+        return ""
+    if compiled.n_external and not compiled.callbacks:  # of a file, which holds no functions
+        return ""
+    model: Any = pack(compiled.model)
+    t, q, external = float(result.times[k]), result.q[k].copy(), np.zeros((compiled.n_external, 3))
+    try:
+        state = compiled.state(t, q, result.u[k].copy())
+        for callback in compiled.callbacks:
+            callback.fill(t, state, external)
+    except Exception:  # what is wrong with a function of the user is told by the run
+        return ""
+    off = np.zeros(int(model.joints.row[-1]))
+    joint_residual(model, t, q, external, off)
+    own = int(np.abs(off).argmax())
+    if not abs(off[own]) >= SEEN * float(result.joint_drift[k]):
+        return ""
+    return compiled.layout.joints[int(np.searchsorted(model.joints.row, own, side="right")) - 1]
