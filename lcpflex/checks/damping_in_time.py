@@ -5,7 +5,8 @@ takes implicitly, the diagonal one of the modes). Where an eigenvalue x of h A^-
 away in a step is more than there was: the velocity changes its sign with each step, decays by 1 - x instead of
 exp(-h c / m), and grows beyond two. Forces and reactions, which are differences of velocities, ring with it. It counts
 where all such velocities, as far as dampers resist them, change together by more than a hundredth of the largest speed,
-measured by kinetic energies: a light body that its damper takes along has none.
+measured by kinetic energies: a light body that its damper takes along has none. Where nothing moves, they are measured
+by what forces do in a step.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.dynamics.mass_matrix import elastic_matrices, held_inverse
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
+from lcpflex.results.energy_balance import held_energy
 from lcpflex.results.result import Result
 
 __all__ = ["ringing_dampers"]
@@ -51,7 +53,7 @@ def _ringing_at(result: Result, damping: _Damping, step: float) -> str:
     if not strengths.size:
         return ""
     changes = np.linalg.norm(np.ptp(damping.damped(result.u, velocities), axis=0))
-    if not changes > MATTERS * np.sqrt(2.0 * result.energies.kinetic.max()):
+    if not changes > MATTERS * max(np.sqrt(2.0 * result.energies.kinetic.max()), _taken(result, step)):
         return ""
     shorter = step
     for _ in range(HALVINGS):
@@ -65,6 +67,14 @@ def _ringing_at(result: Result, damping: _Damping, step: float) -> str:
         f"step of {step:.3g} s: it changes its sign from step to step, and forces and reactions with it: a step of "
         f"{shorter:.2g} s would follow it{damped}"
     )
+
+
+def _taken(result: Result, step: float) -> float:
+    """What loads and contacts do to the lightest body in a step, by its kinetic energy y^2 / 2: the unit at rest."""
+    compiled = result.compiled
+    assert compiled is not None
+    force = held_energy(compiled, result.times, result.impulse) / compiled.size
+    return float(step * force / np.sqrt(compiled.model.bodies.mass.min()))
 
 
 def _weight(stepper: object) -> float | None:

@@ -15,6 +15,7 @@ from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = [
+    "AT_REST",
     "GROWTH",
     "Energies",
     "EnergyGrowth",
@@ -29,6 +30,7 @@ __all__ = [
 GROWTH = 1e-4  # created energy, relative to the largest stored one, above which a result warns
 REMAINDER = 0.02  # unexplained energy, likewise; and energy that grew without work, above which a result is in doubt
 FORCES = FORCE, FOLLOWER  # of the plane and of space; other loads are torques
+HALF = 0.5  # of the stored energy, by which none grows where something moves
 AT_REST = 1e-3  # of what loads would do over the size of a body: where no more is stored, things rest
 ROUNDING = 1e-10  # stored energy below this, relative to the potential energy, cannot be told from rounding
 
@@ -245,11 +247,13 @@ def energy_doubts(
     loads: float = 0.0,
     held: float = 0.0,
     passive: bool = True,
+    moved: bool = False,
 ) -> tuple[str, ...]:
     """Clauses: energy that came from nowhere, so that the result is not to be trusted.
 
     More than REMAINDER of the largest of what was stored, of the work that was done, and of AT_REST times ``loads``,
-    that of :func:`load_energy` [J]: where nothing moves the stored energy is no measure. ``held``: as of
+    that of :func:`load_energy` [J]: where nothing moves the stored energy is no measure. Where something has ``moved``,
+    what grew by HALF of the stored energy is in doubt, too, however much more loads could do. ``held``: as of
     :func:`energy_warnings`. What contact impulses created is no doubt where the user accepts it. ``passive``: dampers
     and bodies only take energy, which those of a user's own system need not.
     """
@@ -265,7 +269,8 @@ def energy_doubts(
         (energies.given_back, f"contact{GAVE} {{}}"),
         (fed, f"damping{GAVE} {{}}"),
     ):
-        if value - accepted > max(REMAINDER * unit, rounding):
+        limit = min(REMAINDER * unit, HALF * energies.scale) if moved else REMAINDER * unit
+        if value - accepted > max(limit, rounding):
             told = f"{value:.4g} J ({_part(value, unit)} of the largest energy stored or work done)"
             found.append(what.format(told))
     return tuple(found)

@@ -30,13 +30,14 @@ if TYPE_CHECKING:
     from lcpflex.model.arrays import Model
     from lcpflex.results.result import Result
 
-__all__ = ["error_shares", "stated_errors"]
+__all__ = ["error_shares", "has_moved", "stated_errors"]
 
 SMALL = 1e-6  # of the largest range of a coordinate: a smaller one is rounding
 GRAZING = 4.0  # velocity over that of the impact, at most: of the push in a contact that goes on, no more is new
 CLAMPED = 6.4  # slowest vibration of a beam with one end clamped over that of a free one: a body that is held
 MOST = 500  # impacts that are looked at one by one
 RESTING = 0.1  # of the duration that a compliant contact lasts: longer is no impact
+MOVED = 1e-3  # of the size of the scene: what has moved by less has not, by any point of a body
 AT_REST = 1e-4  # of the size over the duration: slower is at rest, where rounding is as large as the speed
 
 
@@ -305,3 +306,17 @@ def error_shares(result: Result) -> tuple[float, float] | None:
     slow = AT_REST * extent / result.duration
     tiny = np.finfo(float).tiny
     return result.place_error / max(extent, tiny), result.speed_error / max(speed, slow, tiny)
+
+
+def has_moved(model: Model, q: FloatArray, u: FloatArray, size: float) -> bool:
+    """Whether any point of a body was MOVED ``size`` [m] away from where it began, by q and u (m, ndof)."""
+    numbers = dimension(model.bodies)
+    units = Units(model, u.shape[1])
+    with np.errstate(all="ignore"):  # what is not finite has moved
+        moved = units.of(_modal(model, q - q[:1]))
+        for b, place in enumerate(place_offsets(model.bodies)[:-1].tolist()):
+            away = q[:, place : place + numbers.places] - q[0, place : place + numbers.places]
+            # an angle, or twice the change of four numbers, which is no less for one
+            turned = lengths(away[:, numbers.components :]) * (2.0 if is_spatial(model) else 1.0)
+            moved[:, b] += lengths(away[:, : numbers.components]) + 0.5 * size * turned
+    return not float(moved.max(initial=0.0)) <= MOVED * size

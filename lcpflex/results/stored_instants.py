@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from lcpflex.results.result import Result
 
 __all__ = [
+    "CONTINUED",
     "DENSE",
     "at_events",
     "each_step",
@@ -22,6 +23,7 @@ __all__ = [
 ]
 
 NOISE = 0.1  # of the relative tolerance of an implicit integrator: smaller shares of an impulse are noise
+CONTINUED = "the run began from the last state of a result"  # how a note of such runs begins
 DENSE = "dense"  # Result.stored beside INSTANTS and STEPS: three instants of each step
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from lcpflex.jit.struct import pack
+from lcpflex.results.stored_instants import CONTINUED
 from lcpflex.steppers.scales import SUNK
 from lcpflex.steppers.step_error import Units
 
@@ -19,11 +20,11 @@ if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.results.result import Result
 
-__all__ = ["CONTINUED", "Worst", "worst_drift", "worst_penetration"]
+__all__ = ["Worst", "worst_drift", "worst_penetration"]
 
-CONTINUED = "the run began from the last state of a result"  # a note of such runs
 STEPPED = 0.05  # of the size: a penetration that no step is allowed to leave, whatever it states of its error
 ESTIMATED = 5e-3  # of the size: what the stated error of the steps explains where the length of a step is not known
+NOISE = 1e-6  # of the size: what is deeper by no more is as deep as before
 SEEN = 0.5  # of a penetration or drift: what has so much of it at a stored instant is what had all of it
 
 
@@ -46,7 +47,7 @@ def worst_penetration(result: Result, size: float) -> Worst | None:
     # what it began with, or a step has left, stays
     worst, level = -1, float(depth[0]) if any(note.startswith(CONTINUED) for note in result.notes) else 0.0
     for k in range(len(depth)):
-        if depth[k] <= level:
+        if depth[k] <= level + NOISE * size:
             continue
         if depth[k] <= reach[k] and _pushed(result, k):
             level = float(depth[k])

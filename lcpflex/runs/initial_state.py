@@ -12,8 +12,7 @@ from lcpflex.dynamics.start import violation
 from lcpflex.errors import ModelError, shown
 from lcpflex.model.coordinates import ANGULAR
 from lcpflex.results.result import Result
-from lcpflex.results.summary import doubts
-from lcpflex.results.sunk import CONTINUED
+from lcpflex.results.stored_instants import CONTINUED
 from lcpflex.statics.rest import Rest
 
 if TYPE_CHECKING:
@@ -73,6 +72,8 @@ def began_wrong(initial: Result | Rest | None) -> tuple[str, ...]:
     """Clauses: why the result that a run begins from is not to be trusted, and so this run is not, either."""
     if not isinstance(initial, Result):
         return ()
+    from lcpflex.results.summary import doubts  # which runs from a scene do without
+
     # how far it came is no matter of its last state
     found = doubts(replace(initial, complete=True))
     return (f"the result that it began from is not to be trusted ({'; '.join(found)})",) if found else ()

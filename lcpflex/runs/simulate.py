@@ -32,7 +32,7 @@ from lcpflex.results.energy_balance import (
 )
 from lcpflex.results.problem_log import ProblemLog, RecordProblems
 from lcpflex.results.result import Event, Result
-from lcpflex.results.stated_error import stated_errors
+from lcpflex.results.stated_error import has_moved, stated_errors
 from lcpflex.results.stored_instants import stored_as
 from lcpflex.runs.checkpoint import Checkpoints
 from lcpflex.runs.initial_state import began_wrong, started_from
@@ -295,6 +295,7 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
     held = held_energy(compiled, data["times"], data["impulse"])
     energies = Energies.audit(*(data["energies"][:, i] for i in range(7)))
     controlled = not getattr(run, "fixed_step", 0.0)
+    moved = compiled is not None and has_moved(found.model, data["q"], data["u"], compiled.size)
     place_error, speed_error = stated_errors(found.model, run.records, found.rigid, data, run.steps, controlled)
     pressed = np.count_nonzero(data["force"][:, :, 0] > 0.0, axis=0) / max(len(data["times"]), 1)
     state = with_creep(laws, data["state"])
@@ -339,7 +340,7 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
             *options.began_wrong,
             *run.records.wrong(),
             *energy_doubts(
-                energies, run.records.gain, options.energy_growth, run.steps, loads, held, compiled is not None
+                energies, run.records.gain, options.energy_growth, run.steps, loads, held, compiled is not None, moved
             ),
         ),
         notes=(*(compiled.notes if compiled is not None else ()), *options.notes, *run.records.notes),

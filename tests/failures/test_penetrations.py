@@ -12,6 +12,7 @@ import lcpflex as lf
 from lcpflex.results.summary import doubts
 
 HEIGHTS = (0.0101, 0.1003, 0.3004, 1.0, 3.0)
+AHEAD = ((0.0, 1.0), (0.2, 0.0))  # places and speeds along x of two balls that touch
 
 
 def dropped(height: float, space: bool, scale: float = 1.0, bounce: float = 0.0) -> Any:
@@ -103,3 +104,18 @@ def test_a_joint_that_has_drifted_is_named(space: bool) -> None:
     drift = np.where(np.arange(len(off)) >= 50, 0.01, 0.0)
     (said,) = doubts(replace(result, q=off, joint_drift=drift))
     assert "the joint drift of 10 mm is large for a scene of 200 mm (joint 'pin1' at t = 0.05 s)" in said
+
+
+@pytest.mark.parametrize("space", [False, True], ids=["plane", "space"])
+def test_what_is_carried_on_at_its_depth_is_as_deep_as_when_it_closed(space: bool) -> None:
+    """Two balls that stick together fly on: no impulse holds them any more, and rounding is no further penetration."""
+    if space:
+        scene: Any = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+        balls = [scene.add(lf.Sphere(0.1, mass=1.0), position=(x, 0.0, 0.0), velocity=(v, 0.0, 0.0)) for x, v in AHEAD]
+    else:
+        scene = lf.Scene(gravity=(0.0, 0.0))
+        balls = [scene.add(lf.Disc(0.1, mass=1.0), position=(x, 0.0), velocity=(v, 0.0)) for x, v in AHEAD]
+    scene.contact(balls[0].surface(), balls[1].surface(), restitution=0.0)
+    result = lf.simulate(scene, 0.5, lf.MoreauJean(step=1e-3), progress=False)
+    assert result.penetration.max() > 2e-4
+    assert not doubts(result)

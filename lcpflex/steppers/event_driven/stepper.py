@@ -157,9 +157,11 @@ class EventDrivenSteps:
                 "close together here: use Stronge(sequential=True), Poisson() or Newton()"
             )
         if status == RunStatus.TOO_OFTEN:
-            named = listed(sorted({event[2] for event in self.events[-WINDOW:]}), self.system.contact_name)
+            # changes between sticking and slipping are none of the events that are told
+            laws = sorted({event[2] for event in self.events[-WINDOW:]}) or sorted(set(self.touching))
+            of = f", of {listed(laws, self.system.contact_name)}," if laws else ""
             return (
-                f"the last {WINDOW} events, of {named}, followed each other at more than "
+                f"the last {WINDOW} events{of} followed each other at more than "
                 f"{self._thresholds.most}: MoreauJean(step=...) takes the impacts of a step together"
             )
         if status == RunStatus.CHATTER:
