@@ -21,8 +21,11 @@ __all__ = ["build", "references", "stepper_of"]
 MODES = {2: 4, 3: 6}  # of beams
 
 
-def build(drawn: Drawn, exact: bool = False) -> Any:
-    """The scene; ``exact``: with loads that lcpflex knows instead of Python functions of the same values."""
+def build(drawn: Drawn, exact: bool = False, finer: int = 1) -> Any:
+    """The scene; ``exact``: with loads that lcpflex knows instead of Python functions of the same values.
+
+    ``finer``: so many times as many modes of planar beams.
+    """
     if drawn.system[0]:
         return own_system(drawn)
     scene: Any = (lf.Scene if drawn.dimension == 2 else lf.SpatialScene)(gravity=drawn.gravity)
@@ -30,7 +33,7 @@ def build(drawn: Drawn, exact: bool = False) -> Any:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", lf.ModelWarning)  # wave speeds of no material
         for k, shape in enumerate(drawn.shapes):
-            placed.append(_put(scene, drawn, shape, f"body {k}"))
+            placed.append(_put(scene, drawn, shape, f"body {k}", finer))
             _hold(scene, drawn, shape, placed)
     for push in drawn.pushes:
         scene.load(_load(drawn, placed[push.body], push, exact))
@@ -38,7 +41,7 @@ def build(drawn: Drawn, exact: bool = False) -> Any:
     return scene
 
 
-def _put(scene: Any, drawn: Drawn, shape: Shape, name: str) -> Any:
+def _put(scene: Any, drawn: Drawn, shape: Shape, name: str, finer: int) -> Any:
     model = _body(drawn, shape)
     place = np.array(shape.place)
     options: dict[str, Any] = {"velocity": shape.speed}
@@ -47,7 +50,7 @@ def _put(scene: Any, drawn: Drawn, shape: Shape, name: str) -> Any:
         return scene.add(model, name, place, turn, angular_velocity=shape.spin, **options)
     if shape.kind == "beam":  # its frame is at its left end
         place = place - turned(shape.turn, [0.5 * shape.numbers[0], 0.0])
-        options |= {"modes": MODES[2], "damping": 0.02}
+        options |= {"modes": finer * MODES[2], "damping": 0.02}
     return scene.add(model, name, position=place, angle=shape.turn[0], angular_velocity=shape.spin[0], **options)
 
 

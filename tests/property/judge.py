@@ -29,7 +29,7 @@ from lcpflex.runs.limits import TOO_LATE
 from tests.property.built_scenes import stepper_of
 from tests.property.random_scenes import Drawn
 from tests.property.seen import Seen
-from tests.property.truths import LEAST, PATIENCE, Truth, carried, interpolated, largest, reference_runs, truth_of
+from tests.property.truths import LEAST, PATIENCE, Truth, carried, largest, reference_runs, truth_of
 
 __all__ = ["ALARMS", "JUDGED", "OFF", "RIGHT", "WRONG", "Errors", "Verdict", "alarms", "judge", "judge_result", "quiet"]
 
@@ -121,12 +121,11 @@ def _speed_errors(truth: Truth, result: lf.Result, seen: Seen, rows: Any, least:
 
     An impact may be displaced by ``least`` [s], or by the time in which a place moves by ``OFF`` of the size.
     """
-    t, q, u = result.times[rows], result.q[rows], result.u[rows]
-    mine = seen.rates(q, u)
-    now = seen.rates(q, interpolated(truth.first.times, truth.first.u, t))
+    t = result.times[rows]
+    mine, now = seen.rates(result.q[rows], result.u[rows]), truth.rates(truth.first, t)
     window = np.clip(OFF * truth.size / np.maximum(largest(now), 1e-300), least, max(least, LONGEST))
     shifts = np.clip(t + window * np.linspace(-1.0, 1.0, SHIFTS)[:, None], 0.0, truth.until)
-    one, other = ([seen.rates(q, interpolated(r.times, r.u, at)) for at in shifts] for r in (truth.first, truth.second))
+    one, other = ([truth.rates(run, at) for at in shifts] for run in (truth.first, truth.second))
     sure = _nearest(now, other) <= 0.25 * OFF * truth.speed
     error = np.minimum(_nearest(mine, one), _nearest(mine, other))
     return _lasting(t, np.where(sure, error, 0.0), window)
@@ -136,12 +135,12 @@ def judge_result(drawn: Drawn, result: lf.Result, truth: Truth) -> Errors:
     """How far it is off, by what it says and in truth."""
     seen = Seen(drawn, result)
     rows = np.flatnonzero(result.times <= truth.until)
-    there = seen.places(interpolated(truth.first.times, truth.first.q, result.times[rows]))
+    there = truth.places(truth.first, result.times[rows])
     off = float(largest(seen.places(result.q[rows]) - there).max()) / truth.size
     window = 2.0 * drawn.fineness if drawn.fixed else 0.0
     off_speed = float(_speed_errors(truth, result, seen, rows, window).max()) / truth.speed
     known = np.flatnonzero(truth.first.times <= truth.until)
-    depth = seen.depth(result, rows) - max(0.0, seen.depth(truth.first, known))
+    depth = seen.depth(result, rows) - max(0.0, Seen(drawn, truth.first).depth(truth.first, known))
     place, speed = error_shares(result) or (0.0, 0.0)
     return Errors(off, off_speed, place, speed, max(0.0, depth) / truth.size)
 

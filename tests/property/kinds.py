@@ -204,8 +204,7 @@ def held(yard: Yard) -> Layout:
     rng, L = yard.rng, yard.length
     still, no_spin = yard.still
     beam = rng.random() < 0.75
-    first = 10.0 ** rng.uniform(1.3, 2.5)  # [Hz] free; a cantilever has a sixth
-    kind, numbers, mass = yard.beam(0.75, rng.uniform(0.01, 0.04), first) if beam else yard.figure("box")
+    kind, numbers, mass = yard.figure("beam" if beam else "box")
     half = 0.5 * numbers[0]
     hold = _one_of(yard, {"weld": 0.4, "pin": 0.25, "drive": 0.2, "rod": 0.15})
     shape = Shape(kind, numbers, mass, yard.at(half, 0.0), yard.upright(), still, no_spin, hold, yard.at(-half, 0.0))

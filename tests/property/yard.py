@@ -177,18 +177,19 @@ class Yard:
             numbers = self.hull()
             volume = 0.05 * L**3
         elif kind == "beam":
-            return self.beam(0.75, float(rng.uniform(0.01, 0.04)), 10.0 ** rng.uniform(1.0, 2.5))
+            return self.beam(0.75, float(rng.uniform(0.01, 0.04)))
         else:
             numbers = (float(rng.uniform(0.08, 0.2)) * L, float(rng.uniform(0.1, 0.4)) * L)
             volume = math.pi * numbers[0] ** 2 * numbers[1]
         return kind, numbers, self.mass_of(volume)
 
-    def beam(self, length: float, thickness: float, first: float) -> tuple[str, Vector, float]:
-        """With its first free frequency [Hz]; length and thickness over the length of the scene."""
+    def beam(self, length: float, thickness: float) -> tuple[str, Vector, float]:
+        """Its Euler load is ten to 500 times its weight; length and thickness over the length of the scene."""
         L = self.length
         length, thickness = length * L, thickness * L
         density = STEEL * self.kilogram / self.metre**3
-        young = density * (2.0 * math.pi * first * length**2 / 22.37) ** 2 * 12.0 / thickness**2
+        first = 10.0 ** self.rng.uniform(1.35, 2.2) * math.sqrt(self.g / length)  # of the free beam [rad/s]
+        young = density * (first * length**2 / 22.37) ** 2 * 12.0 / thickness**2
         return "beam", (length, thickness, float(young)), float(density * length * thickness * 0.1 * L)
 
     def hull(self) -> Vector:
