@@ -36,6 +36,7 @@ __all__ = ["ALARMS", "JUDGED", "OFF", "RIGHT", "WRONG", "Errors", "Verdict", "al
 Array = npt.NDArray[np.float64]
 
 OFF = 0.02  # of the size or the largest speed: wrong
+MOST = 400  # instants at which velocities are compared
 SHIFTS = 41  # of a reference within the time by which an impact may be displaced
 LONGEST = 0.02  # [s] by which an impact may be displaced
 RIGHT = ("quiet", "warned", "alarm")
@@ -121,11 +122,12 @@ def _speed_errors(truth: Truth, result: lf.Result, seen: Seen, rows: Any, least:
 
     An impact may be displaced by ``least`` [s], or by the time in which a place moves by ``OFF`` of the size.
     """
+    rows = rows[:: -(-len(rows) // MOST)]
     t = result.times[rows]
-    mine, now = seen.rates(result.q[rows], result.u[rows]), truth.rates(truth.first, t)
+    mine, now = seen.rates(result.q[rows], result.u[rows]), truth.first.rates(t)
     window = np.clip(OFF * truth.size / np.maximum(largest(now), 1e-300), least, max(least, LONGEST))
     shifts = np.clip(t + window * np.linspace(-1.0, 1.0, SHIFTS)[:, None], 0.0, truth.until)
-    one, other = ([truth.rates(run, at) for at in shifts] for run in (truth.first, truth.second))
+    one, other = ([run.rates(at) for at in shifts] for run in (truth.first, truth.second))
     sure = _nearest(now, other) <= 0.25 * OFF * truth.speed
     error = np.minimum(_nearest(mine, one), _nearest(mine, other))
     return _lasting(t, np.where(sure, error, 0.0), window)
@@ -135,12 +137,13 @@ def judge_result(drawn: Drawn, result: lf.Result, truth: Truth) -> Errors:
     """How far it is off, by what it says and in truth."""
     seen = Seen(drawn, result)
     rows = np.flatnonzero(result.times <= truth.until)
-    there = truth.places(truth.first, result.times[rows])
+    there = truth.first.places(result.times[rows])
     off = float(largest(seen.places(result.q[rows]) - there).max()) / truth.size
     window = 2.0 * drawn.fineness if drawn.fixed else 0.0
     off_speed = float(_speed_errors(truth, result, seen, rows, window).max()) / truth.speed
-    known = np.flatnonzero(truth.first.times <= truth.until)
-    depth = seen.depth(result, rows) - max(0.0, Seen(drawn, truth.first).depth(truth.first, known))
+    right = truth.first.result
+    known = np.flatnonzero(right.times <= truth.until)
+    depth = seen.depth(result, rows) - max(0.0, truth.first.seen.depth(right, known))
     place, speed = error_shares(result) or (0.0, 0.0)
     return Errors(off, off_speed, place, speed, max(0.0, depth) / truth.size)
 

@@ -16,7 +16,7 @@ from tests.property.yard import Wall, core
 __all__ = ["Seen"]
 
 Array = npt.NDArray[np.float64]
-LOOKS = {2: 4000, 3: 24}  # instants at which depths are taken: in space one costs a millisecond
+LOOKS = {2: 1000, 3: 24}  # instants at which depths are taken: in space one costs a millisecond
 
 
 class Seen:

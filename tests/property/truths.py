@@ -6,7 +6,7 @@ Event-driven stepping at a tolerance of 1e-12 against another method; where it d
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -32,24 +32,31 @@ PATIENCE = 20.0  # [s] of computing for a reference: a scene that takes more is 
 STILL = 1e-3  # of the size in the duration: what moves no faster is at rest, and rounding as fast
 
 
+class Reference:
+    """A run of a scene with what is measured of it."""
+
+    def __init__(self, drawn: Drawn, result: lf.Result) -> None:
+        self.result, self.seen = result, Seen(drawn, result)
+
+    def places(self, at: Array) -> Array:
+        """At some times (m, p, d)."""
+        return self.seen.places(interpolated(self.result.times, self.result.q, at))
+
+    def rates(self, at: Array) -> Array:
+        """Velocities likewise."""
+        run = self.result
+        return self.seen.rates(*(interpolated(run.times, values, at) for values in (run.q, run.u)))
+
+
 @dataclass(frozen=True)
 class Truth:
     """A reference with the time up to which another one agrees with it."""
 
-    drawn: Drawn
-    first: lf.Result
-    second: lf.Result
-    until: float = 0.0
-    size: float = 0.0  # [m] extent of the largest body, or the largest travel of a place
-    speed: float = 0.0  # [m/s] the largest of a place
-
-    def places(self, run: lf.Result, at: Array) -> Array:
-        """Of one of the two at some times (m, p, d)."""
-        return Seen(self.drawn, run).places(interpolated(run.times, run.q, at))
-
-    def rates(self, run: lf.Result, at: Array) -> Array:
-        """Velocities likewise."""
-        return Seen(self.drawn, run).rates(*(interpolated(run.times, values, at) for values in (run.q, run.u)))
+    first: Reference
+    second: Reference
+    until: float
+    size: float  # [m] extent of the largest body, or the largest travel of a place
+    speed: float  # [m/s] the largest of a place
 
 
 def interpolated(times: Array, values: Array, at: Array) -> Array:
@@ -68,17 +75,17 @@ def largest(vectors: Array) -> Array:
 
 def truth_of(drawn: Drawn, first: lf.Result, second: lf.Result) -> Truth:
     """The first of two references, and how long it holds."""
-    truth, extent = Truth(drawn, first, second), Seen(drawn, first).extent
+    one, other = Reference(drawn, first), Reference(drawn, second)
     grid = np.linspace(0.0, drawn.duration, GRID + 1)
-    places = truth.places(first, grid)
+    places = one.places(grid)
     far = np.maximum.accumulate(largest(places - places[0]))
-    known = largest(places - truth.places(second, grid)) <= AGREED * np.maximum(extent, far)
+    known = largest(places - other.places(grid)) <= AGREED * np.maximum(one.seen.extent, far)
     known &= grid <= min(first.times[-1], second.times[-1])
     last = len(grid) - 1 if known.all() else int(np.argmin(known)) - 1
     held = grid[: max(last, 0) + 1]
-    size = max(extent, float(far[len(held) - 1]))
-    speed = max(float(largest(truth.rates(first, held)).max()), STILL * size / drawn.duration)
-    return replace(truth, until=float(held[-1]), size=size, speed=speed)
+    size = max(one.seen.extent, float(far[len(held) - 1]))
+    speed = max(float(largest(one.rates(held)).max()), STILL * size / drawn.duration)
+    return Truth(one, other, float(held[-1]), size, speed)
 
 
 def reference_runs(drawn: Drawn) -> tuple[lf.Result, lf.Result] | str:
