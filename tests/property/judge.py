@@ -31,7 +31,20 @@ from tests.property.random_scenes import Drawn
 from tests.property.seen import Seen
 from tests.property.truths import LEAST, PATIENCE, Truth, carried, largest, reference_runs, truth_of
 
-__all__ = ["ALARMS", "JUDGED", "OFF", "RIGHT", "WRONG", "Errors", "Verdict", "alarms", "judge", "judge_result", "quiet"]
+__all__ = [
+    "ALARMS",
+    "JUDGED",
+    "OFF",
+    "RIGHT",
+    "WRONG",
+    "Errors",
+    "Verdict",
+    "alarms",
+    "judge",
+    "judge_result",
+    "outcome_of",
+    "quiet",
+]
 
 Array = npt.NDArray[np.float64]
 
@@ -63,8 +76,8 @@ class Errors:
     @property
     def wrong(self) -> bool:
         """By more than the run says."""
-        place, speed = self.off <= max(OFF, self.stated), self.off_speed <= max(OFF, self.stated_speed)
-        return not (place and speed and self.depth <= OFF)
+        place = max(self.off, self.depth) <= max(OFF, self.stated)
+        return not (place and self.off_speed <= max(OFF, self.stated_speed))
 
 
 @dataclass(frozen=True)
@@ -172,10 +185,10 @@ def judge(drawn: Drawn) -> Verdict:
         return verdict("stopped", ended, truth.until)
     told = [f"{w.message}" for w in caught if issubclass(w.category, lf.ModelWarning)]
     errors = judge_result(drawn, result, truth)
-    return verdict(*_outcome(errors, doubts(result), [*result.warnings, *told]), truth.until, errors)
+    return verdict(*outcome_of(errors, doubts(result), [*result.warnings, *told]), truth.until, errors)
 
 
-def _outcome(errors: Errors, doubted: Iterable[str], warned: Iterable[str]) -> tuple[str, str]:
+def outcome_of(errors: Errors, doubted: Iterable[str], warned: Iterable[str]) -> tuple[str, str]:
     """What a run is, and all that it says."""
     doubted = [f"doubt: {text}" for text in doubted]
     said = "; ".join([*doubted, *warned])

@@ -15,7 +15,7 @@ import pytest
 import lcpflex as lf
 from tests.property.built_scenes import build, references, stepper_of
 from tests.property.campaign import passes
-from tests.property.judge import ALARMS, JUDGED, judge, judge_result, quiet
+from tests.property.judge import ALARMS, JUDGED, Errors, judge, judge_result, outcome_of, quiet
 from tests.property.kinds import KINDS
 from tests.property.overlap import deepest
 from tests.property.own_systems import own_points, own_system
@@ -96,6 +96,22 @@ def test_the_judge_lets_pass_what_is_right(dimension: int) -> None:
     verdict = judge(rolling(dimension))
     assert verdict.outcome == "quiet", verdict
     assert verdict.truth == pytest.approx(0.4)
+
+
+def test_what_a_run_is_called() -> None:
+    """By how far it is off, by what it states of that, and by what else it says."""
+    right, off, fast = Errors(0.01, 0.0), Errors(0.05, 0.0), Errors(0.0, 0.05, stated=0.04)
+    assert outcome_of(right, (), ())[0] == "quiet"
+    assert outcome_of(right, (), ("slow",))[0] == "warned"
+    assert outcome_of(right, ("wrong",), ())[0] == "alarm"
+    assert outcome_of(off, (), ())[0] == "silent"
+    assert outcome_of(replace(off, stated=0.06), (), ())[0] == "stated"
+    assert outcome_of(replace(off, stated=0.04), (), ())[0] == "understated"
+    assert outcome_of(fast, (), ())[0] == "understated"
+    assert outcome_of(off, (), ("slow",))[0] == "hinted"
+    assert outcome_of(off, ("wrong",), ("slow",)) == ("loud", "doubt: wrong; slow")
+    assert outcome_of(Errors(depth=0.1), (), ())[0] == "silent"
+    assert outcome_of(Errors(off=float("nan")), (), ())[0] == "silent"
 
 
 @EACH
