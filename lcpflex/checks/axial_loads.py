@@ -9,44 +9,40 @@ along the axis of the frame, deflections left out. F_i are loads, springs, conta
 M udot = h + W p + J^T lambda, J udot + b = 0. Beams do not vibrate along their axis there, which is over many times
 while they bend once, unless their stretching shares what joints hold more than once. Collisions are left out until the
 beam has vibrated once: they take no time to bend it. Where something always strikes, the median over time is taken.
-Beams that count with their actual axial force are of small slopes: beyond SLOPE the result is not to be trusted.
+Beams that count with their actual axial force are of small slopes: beyond SLOPE the result is not to be trusted. Nor is
+that of one that does not, and bears more than it buckles under, for as long as that takes: it has no such state.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lcpflex.compile.compiled_scene import CompiledScene
-from lcpflex.contact.near import near
-from lcpflex.contact.rows import contact_point, contact_rows
-from lcpflex.dynamics.applied_forces import TORQUE, applied_forces, stretch
-from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces
-from lcpflex.dynamics.inertia import arrow, factorise
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.jit.struct import pack
-from lcpflex.kinematics.joint_rows import joint_rows
-from lcpflex.kinematics.relative import coordinate_gradient, relative_motion
-from lcpflex.model.arrays import Axis, Loads, Model
+from lcpflex.model.arrays import Axis, Model
 from lcpflex.model.planar import N_RIGID
-from lcpflex.results.acting_forces import accelerations
 from lcpflex.results.result import Result
 from lcpflex.results.stated_error import CLAMPED
+from lcpflex.results.stored_instants import tells_of_steps
 
-__all__ = ["with_axial_loads"]
+if TYPE_CHECKING:
+    from lcpflex.checks.beam_forces import BeamForces, Pulls
+
+__all__ = ["axial_loads_at", "with_axial_loads"]
 
 SHARE = 0.03  # of Euler's load, from where on a linear beam warns
+BUCKLED = 0.999  # of the load at which a beam buckles: what loads that are given as that come to
+OUT, BENT = 0.5, 0.5  # of that load, and slope of the beam from the chord of its frame: it has gone out of its way
+LASTS = 0.25  # of its slowest vibration: for so long at least it bears more
 SLOPE = 0.1  # beyond which the strain u' + w'^2 / 2 is none
 INSTANTS = 200  # looked at, at most
 STRIKES = 0.5  # of the impulse between two instants that forces do not explain, from where on it is that of an impact
 ENOUGH = 0.2  # of the instants, to look at those without collisions only
-NEAR = 1e-3  # of the size of the scene: pairs among which those that press are looked for
-REDUNDANT = 1e-12
-
-Pulls = list[tuple[float, FloatArray]]  # station [m] and force (2,) [N], world axes
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +52,8 @@ class Worst:
     force: float  # [N], tension positive
     time: float  # [s]
     station: float  # [m]
+    share: float = 0.0  # of the load at which it buckles, held as it is then
+    buckles: bool = False  # whether it bears more than that for as long as that takes
 
 
 def with_axial_loads(result: Result) -> Result:
@@ -68,8 +66,38 @@ def with_axial_loads(result: Result) -> Result:
     linear = _beams(compiled, actual=False)
     for (b, axis), worst in zip(linear, _worst(result, compiled, linear), strict=True):
         if abs(worst.force) > SHARE * axis.euler:
-            warnings.append(_told(compiled.layout.bodies[b], axis, worst))
+            (wrong if worst.buckles else warnings).append(_told(compiled.layout.bodies[b], axis, worst))
     return replace(result, warnings=tuple(warnings), found_wrong=tuple(wrong))
+
+
+def axial_loads_at(compiled: CompiledScene, t: float, q: FloatArray, touching: Any) -> tuple[list[str], list[str]]:
+    """Warnings of linear beams under axial load at a place of rest q at time t [s], and clauses: which ones buckle.
+
+    touching: as the ``contact_points`` of a result with one instant.
+    """
+    beams = _beams(compiled, actual=False)
+    warnings: list[str] = []
+    wrong: list[str] = []
+    if not beams:
+        return warnings, wrong
+    from lcpflex.checks.beam_forces import BeamForces  # which scenes without beams do without
+    from lcpflex.checks.buckling import critical_share
+
+    still = np.zeros_like(q)
+    rest: Any = SimpleNamespace(times=np.array([t]), q=q[None], u=still[None], contact_points=touching)
+    forces = BeamForces(compiled, [b for b, _ in beams])
+    found = forces.at(rest, 0)
+    for b, axis in beams if found is not None else []:
+        assert found is not None
+        N = _uncounted(compiled.model, b, axis, q, still, found[0], found[1][b])
+        side, x = np.unravel_index(int(np.abs(N).argmax()), N.shape)
+        force = float(N[side, x])
+        if not abs(force) > SHARE * axis.euler:
+            continue
+        share = critical_share(compiled, b, axis, q, _inside(N), forces.supports) if N.min() < 0.0 else 0.0
+        worst = Worst(force, t, float(axis.station[x]), share, _gives_way(compiled, b, axis, q, share))
+        (wrong if worst.buckles else warnings).append(_told(compiled.layout.bodies[b], axis, worst))
+    return warnings, wrong
 
 
 def _beams(compiled: CompiledScene, actual: bool) -> list[tuple[int, Axis]]:
@@ -82,9 +110,14 @@ def _beams(compiled: CompiledScene, actual: bool) -> list[tuple[int, Axis]]:
 def _told(name: str, axis: Axis, worst: Worst) -> str:
     kind = "compression" if worst.force < 0.0 else "tension"
     share = 100.0 * abs(worst.force) / axis.euler
+    feels, buckled = "its bending does not feel that", ""
+    if worst.share > 0.0:
+        buckled = f" and {100.0 * worst.share:.3g} % of the load at which it buckles, held as it is"
+    if worst.buckles:
+        feels = f"it has no such state, and {feels}"
     return (
         f"beam {name!r}: {kind} of {abs(worst.force):.4g} N at x = {worst.station:.4g} m, t = {worst.time:.6g} s, "
-        f"{share:.2g} % of its Euler load pi^2 E I / L^2 = {axis.euler:.4g} N: its bending does not feel that; "
+        f"{share:.2g} % of its Euler load pi^2 E I / L^2 = {axis.euler:.4g} N{buckled}: {feels}; "
         f'stiffening=Stiffening(axial_force="actual") of a beam with axial=True lets it'
     )
 
@@ -107,7 +140,9 @@ def _worst(result: Result, compiled: CompiledScene, beams: list[tuple[int, Axis]
     """Of each beam, over the instants looked at: the largest, or the median in a run that strikes all the time."""
     if not beams:
         return []
-    forces = _Forces(compiled, [b for b, _ in beams])
+    from lcpflex.checks.beam_forces import BeamForces  # which scenes without beams do without
+
+    forces = BeamForces(compiled, [b for b, _ in beams])
     instants, calm = _instants(result, compiled, [b for b, _ in beams])
     looked: list[list[FloatArray]] = [[] for _ in beams]
     for k in instants.tolist():
@@ -122,12 +157,50 @@ def _worst(result: Result, compiled: CompiledScene, beams: list[tuple[int, Axis]
             looked[i].append(_uncounted(compiled.model, b, axis, result.q[k], result.u[k], acceleration, pulls[b]))
     worst = []
     for (_, axis), histories in zip(beams, looked, strict=True):
-        N = np.array(histories)  # (instants, 2, stations)
+        every = N = np.array(histories)  # (instants, 2, stations)
         if not calm:  # a beam that rings is pulled as often as pressed
             N = np.where(np.sort(N, axis=0)[len(N) // 2] == N, N, 0.0)
         when, side, x = np.unravel_index(int(np.abs(N).argmax()), N.shape)
-        worst.append(Worst(float(N[when, side, x]), float(result.times[instants[when]]), float(axis.station[x])))
+        largest = Worst(float(N[when, side, x]), float(result.times[instants[when]]), float(axis.station[x]))
+        least = every.min(axis=(1, 2))
+        usual = int(least.argmin() if calm else np.argsort(least)[len(least) // 2])
+        worst.append(_with_share(result, compiled, forces, instants, every, usual, (b, axis), largest))
     return worst
+
+
+def _with_share(
+    result: Result, compiled: CompiledScene, forces: BeamForces, instants: IntArray, N: FloatArray, when: int,
+    beam: tuple[int, Axis], worst: Worst,
+) -> Worst:  # fmt: skip
+    """The same with its share of the load at which the beam buckles, under N (instants, 2, stations) at ``when``."""
+    b, axis = beam
+    least = N.min(axis=(1, 2))
+    if not -least[when] > SHARE * axis.euler:
+        return worst
+    k = int(instants[when])
+    from lcpflex.checks.buckling import critical_share  # which most beams do without
+
+    forces.at(result, k)
+    share = critical_share(compiled, b, axis, result.q[k], _inside(N[when]), forces.supports)
+    # instants are spread evenly over the run, or over the part of it without collisions
+    lasts = float((-least * max(share, 1.0) >= -least[when]).mean() * (result.times[-1] - result.times[0]))
+    slow = LASTS * float(slowest_vibrations(compiled.model.bodies)[b])
+    gives_way = _gives_way(compiled, b, axis, result.q[k], share)
+    return replace(worst, share=share, buckles=gives_way and lasts >= slow)
+
+
+def _inside(N: FloatArray) -> FloatArray:
+    """N (k,) at stations, of that before and behind each (2, k); at the ends, where loads are, that beside them."""
+    profile = np.asarray(N.mean(axis=0))
+    profile[[0, -1]] = N[0, 1], N[1, -2]
+    return profile
+
+
+def _gives_way(compiled: CompiledScene, b: int, axis: Axis, q: FloatArray, share: float) -> bool:
+    """Whether a beam bears more than it buckles under, or has bent out from under such a load, which is less then."""
+    dof = compiled.model.bodies.dof
+    steepest = float(np.abs(axis.slope @ q[dof[b] + N_RIGID : dof[b + 1]]).max(initial=0.0))
+    return share >= BUCKLED or (share >= OUT and steepest >= BENT)
 
 
 def _instants(result: Result, compiled: CompiledScene, beams: list[int]) -> tuple[IntArray, bool]:
@@ -146,6 +219,8 @@ def _instants(result: Result, compiled: CompiledScene, beams: list[int]) -> tupl
             calm[(times >= times[first]) & (times <= times[last] + lasts)] = False
     lasting = bool(calm.mean() >= ENOUGH)
     left = np.flatnonzero(calm if lasting else np.ones_like(calm))
+    if tells_of_steps(result) and result.contact_names and len(left) > 1 and left[0] == 0:
+        left = left[1:]  # of contacts nothing is known before the first step
     return left[np.unique(np.linspace(0, len(left) - 1, INSTANTS).astype(np.int64))], lasting
 
 
@@ -183,149 +258,3 @@ def _uncounted(
     both = np.where(np.abs(other) < np.abs(both), other, both)
     both[0, x <= 0.0] = both[1, x >= axis.length] = 0.0  # past the ends there is no section
     return np.asarray(both)
-
-
-class _Forces:
-    """Accelerations of a scene, and what pulls at its beams, at stored instants."""
-
-    def __init__(self, compiled: CompiledScene, beams: list[int]) -> None:
-        self._compiled = compiled
-        self._beams = beams
-        self._model: Any = pack(compiled.model)
-        bodies = compiled.model.bodies
-        self._arrow = arrow(len(bodies.mass), len(bodies.stiffness))
-        self._loads = [(b, x, pack(compiled.model._replace(loads=one))) for b, x, one in _single(compiled, beams)]
-        count, width = int(compiled.model.joints.row[-1]), int(np.diff(bodies.dof).max())
-        rows = np.zeros((count, 2, width)), np.zeros((count, 2), dtype=np.int64), np.zeros((count, N_RIGID))
-        self._rows = *rows, np.zeros(count), np.zeros(count)
-        self._stretching = np.concatenate([_stretching(compiled, b) for b in beams])
-
-    def at(self, result: Result, k: int) -> tuple[FloatArray, dict[int, Pulls]] | None:
-        """udot (ndof,) and the pulls at each beam; None where a Python function of the scene cannot be asked again."""
-        model, t, q, u = self._model, float(result.times[k]), result.q[k].copy(), result.u[k].copy()
-        u[self._stretching] = 0.0
-        external = np.zeros((self._compiled.n_external, 3))
-        try:
-            for callback in self._compiled.callbacks:
-                callback.fill(t, self._compiled.state(t, q, u), external)
-        except Exception:  # it was asked in the run: what is wrong with it now is no matter of the run
-            return None
-        pulls: dict[int, Pulls] = {b: [] for b in self._beams}
-        force, span = np.zeros_like(q), np.zeros(2)
-        for b, x, alone in self._loads:
-            force[:] = 0.0
-            applied_forces(alone, t, q, u, span, external, force, force, force)
-            d = int(self._compiled.model.bodies.dof[b])
-            pulls[b].append((x, force[d : d + 2].copy()))
-        self._draw(q, u, pulls)
-        force[:] = 0.0
-        inertial_forces(model.bodies, model.loads, q, u, force)
-        elastic_forces(model.bodies, q, u, force, force)
-        applied_forces(model, t, q, u, span, external, force, force, force)
-        self._press(result, k, q, force, pulls)
-        return self._accelerated(t, q, u, external, force, pulls), pulls
-
-    def _draw(self, q: FloatArray, u: FloatArray, pulls: dict[int, Pulls]) -> None:
-        """Add the forces of springs and dampers, which may be between two points of one beam."""
-        bodies, points, loads = self._model.bodies, self._model.points, self._model.loads
-        for k in range(len(loads.spring_kind)):
-            ends = [int(p) for p in loads.spring_point[k]]
-            if not any(int(points.body[p]) in pulls for p in ends):
-                continue
-            at, motion, _ = relative_motion(bodies, points, q, u, *ends)
-            of = int(loads.spring_kind[k]), at, motion, *loads.spring_axis[k].tolist()
-            gx, gy, turn_p, turn_q, _ = coordinate_gradient(*of)
-            rate = gx * motion.vx + gy * motion.vy + turn_p * motion.spin_p + turn_q * motion.spin_q
-            stiffness, damping, _ = loads.spring_value[k]
-            pull = -(stiffness * stretch(self._model, q, k) + damping * rate) * np.array([gx, gy])
-            for p, force in zip(ends, (pull, -pull), strict=True):
-                if int(points.body[p]) in pulls:
-                    pulls[int(points.body[p])].append((float(points.place[p, 0]), force))
-
-    def _press(self, result: Result, k: int, q: FloatArray, force: FloatArray, pulls: dict[int, Pulls]) -> None:
-        """Add the contact forces that were stored, on the pairs that touch there."""
-        touching = result.contact_points
-        pressing = np.flatnonzero((touching.record == k) & (touching.force[:, 0] > 0.0))
-        if not len(pressing):
-            return
-        table, found = near(self._model, q, NEAR * self._compiled.size)
-        places = np.array([contact_point(self._model, q, table, i) for i in range(found)]).reshape(found, 2)
-        dof = self._compiled.model.bodies.dof
-        rows = np.zeros((2, 2, int(np.diff(dof).max())))
-        for point in pressing:
-            own = np.flatnonzero(table.law[:found] == touching.contact[point])
-            if not len(own):
-                continue
-            i = int(own[np.hypot(*(places[own] - touching.place[point]).T).argmin()])
-            contact_rows(self._model, q, table, i, rows[0], rows[1:])
-            row = touching.force[point, 0] * rows[0] + touching.force[point, 1] * rows[1]
-            for side, b in enumerate(table.body[i].tolist()):
-                if b < 0:
-                    continue
-                force[dof[b] : dof[b + 1]] += row[side, : dof[b + 1] - dof[b]]
-                if b in pulls:
-                    d, away = int(dof[b]), touching.place[point] - q[dof[b] : dof[b] + 2]
-                    pulls[b].append((float(np.cos(q[d + 2]) * away[0] + np.sin(q[d + 2]) * away[1]), row[side, :2]))
-
-    def _accelerated(
-        self, t: float, q: FloatArray, u: FloatArray, external: FloatArray, force: FloatArray, pulls: dict[int, Pulls]
-    ) -> FloatArray:
-        """udot (ndof,); adds the reactions of the joints to the pulls."""
-        model, (rows, owner, wrench, rate, bias) = self._model, self._rows
-        points, joints, dof = self._compiled.model.points, self._compiled.model.joints, self._compiled.model.bodies.dof
-        factorise(model.bodies, q, 0.0, 0.0, self._arrow)
-        if not len(rate):
-            return self._solved(force)
-        joint_rows(model, t, q, u, external, rows, owner, wrench, rate, bias)
-        J = np.zeros((len(rate), len(q)))
-        for r, side in np.argwhere(owner >= 0).tolist():
-            b = int(owner[r, side])
-            J[r, dof[b] : dof[b + 1]] += rows[r, side, : dof[b + 1] - dof[b]]
-        held = self._held(J)
-        J, bias = np.vstack([J, held]), np.concatenate([bias, np.zeros(len(held))])
-        free = self._solved(force)
-        spread = np.column_stack([self._solved(row) for row in J])
-        reaction = -np.linalg.pinv(J @ spread, rcond=REDUNDANT, hermitian=True) @ (J @ free + bias)
-        for joint in range(len(joints.point)):
-            own = slice(joints.row[joint], joints.row[joint + 1])
-            for side in range(2):
-                p = int(joints.point[joint, side])
-                if int(points.body[p]) in pulls:
-                    pulled = reaction[own] @ rows[own, side, :2]
-                    pulls[int(points.body[p])].append((float(points.place[p, 0]), pulled))
-        return np.asarray(free + spread @ reaction)
-
-    def _held(self, J: FloatArray) -> FloatArray:
-        """(k, ndof) rows that keep beams from vibrating along their axis; none where joints hold them there twice."""
-        still = J.copy()
-        still[:, self._stretching] = 0.0
-        if np.linalg.matrix_rank(still) < np.linalg.matrix_rank(J):
-            return np.zeros((0, J.shape[1]))
-        return np.asarray(np.eye(J.shape[1])[self._stretching])
-
-    def _solved(self, force: FloatArray) -> FloatArray:
-        return accelerations(self._model.bodies, self._arrow, force)
-
-
-def _stretching(compiled: CompiledScene, b: int) -> IntArray:
-    """Coordinates of a beam that do not bend it."""
-    axis, first = compiled.layout.axes[b], int(compiled.model.bodies.dof[b]) + N_RIGID
-    assert axis is not None
-    return first + np.flatnonzero(~axis.slope.any(axis=0))
-
-
-def _single(compiled: CompiledScene, beams: list[int]) -> list[tuple[int, float, Loads]]:
-    """Each force on a beam by itself: the beam, the station [m], and loads that are this one only."""
-    loads, points = compiled.model.loads, compiled.model.points
-    found = []
-    for k in np.flatnonzero(loads.force_kind != TORQUE).tolist():
-        p, one, none = int(loads.force_point[k]), slice(k, k + 1), slice(0, 0)
-        if points.body[p] in beams:
-            alone = loads._replace(
-                spring_kind=loads.spring_kind[none], spring_point=loads.spring_point[none],
-                spring_axis=loads.spring_axis[none], spring_value=loads.spring_value[none],
-                force_kind=loads.force_kind[one], force_point=loads.force_point[one],
-                force_signal=loads.force_signal[one],
-            )  # fmt: skip
-            found.append((int(points.body[p]), float(points.place[p, 0]), alone))
-    return found

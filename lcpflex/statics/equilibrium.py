@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from lcpflex.basics.arguments import listed
+from lcpflex.checks.axial_loads import axial_loads_at
 from lcpflex.compile.compilation import compiled_scene
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.errors import ModelError, SolverError, in_range, shown
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.model.arrays import SLIP, STICK
 from lcpflex.results.result import Result
 from lcpflex.scene.planar_only import refuse_space
 from lcpflex.scene.scene import Scene
@@ -133,7 +136,7 @@ def come_to_rest(problem: Problem, path: Path) -> Rest:
         if here.residual <= NEAR:
             found = rest_at(compiled, balance, scales, path, step)
             if found is not None and (found.stable or here.residual <= THERE):
-                return found
+                return _with_axial_loads(found, balance.time)
             path.back()
         if here.travelled > limit:
             raise _restless(path, compiled, f"it does not come to rest within farthest = {limit:.4g} m")
@@ -142,6 +145,28 @@ def come_to_rest(problem: Problem, path: Path) -> Rest:
                 raise _unfinished(problem, path, step)
             raise _restless(path, compiled, "no step of its path could be made", False)
     raise _restless(path, compiled, f"it does not come to rest within {MOST_STEPS} steps", False)
+
+
+def _with_axial_loads(found: Rest, time: float) -> Rest:
+    """The place with warnings of beams under axial load; what buckles under it is not stable."""
+    if not any(found.compiled.layout.axes):
+        return found
+    names = list(found.compiled.layout.contacts)
+    closed = [(names.index(one.name), k, one) for one in found.contacts for k in range(len(one.states))]
+    touching = SimpleNamespace(
+        record=np.zeros(len(closed), dtype=np.int64),
+        contact=np.array([law for law, _, _ in closed], dtype=np.int64),
+        force=np.array([[one.normal[k], one.tangential[k]] for _, k, one in closed]).reshape(-1, 2),
+        place=np.array([one.place[k] for _, k, one in closed]).reshape(-1, 2),
+        state=np.array([STICK if one.states[k] == "stick" else SLIP for _, k, one in closed], dtype=np.int64),
+    )
+    warnings, buckled = axial_loads_at(found.compiled, time, np.array(found.q), touching)
+    return replace(
+        found,
+        warnings=(*found.warnings, *warnings),
+        unstable=(*found.unstable, *buckled),
+        stable=found.stable and not buckled,
+    )
 
 
 def _compiled(scene: Any) -> CompiledScene:

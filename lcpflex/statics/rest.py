@@ -116,7 +116,8 @@ class Rest:
         It is a statement of statics: near the limit of a large friction a jammed place may have a second motion that
         obeys Coulomb's law, too, and a run may leave it; steps that are long for a clearance leave a place as well.
     unstable, neutral
-        What moves in such a direction, and in those in which nothing changes, as where a disc may turn.
+        What moves in such a direction, and in those in which nothing changes, as where a disc may turn. A beam that
+        bears more than it buckles under, which its bending does not feel, is told among the first.
     neighbours
         Dimension of the places of rest next to this one, among which friction lets the scene be: 0 where there are
         none, as without friction. Which one is found follows from the start.
@@ -129,7 +130,7 @@ class Rest:
     travelled
         Length of the path from the start, of the point that moves most in each of its ``steps`` [m].
     warnings
-        Of the compiled scene.
+        Of the compiled scene, and of axial loads that the bending of beams does not feel.
     trace
         What a path that begins here, and the comparison with another place, have to know of it.
     """
