@@ -23,9 +23,12 @@ import numpy as np
 
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
+from lcpflex.errors import LcpflexError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Axis, Model
+from lcpflex.model.layout import is_spatial
 from lcpflex.model.planar import N_RIGID
+from lcpflex.model.recovery import SpatialLineShapes
 from lcpflex.results.result import Result
 from lcpflex.results.stated_error import CLAMPED
 from lcpflex.results.stored_instants import tells_of_steps
@@ -40,7 +43,7 @@ BUCKLED = 0.999  # of the load at which a beam buckles: what loads that are give
 OUT, BENT = 0.5, 0.5  # of that load, and slope of the beam from the chord of its frame: it has gone out of its way
 LASTS = 0.25  # of its slowest vibration: for so long at least it bears more
 SLOPE = 0.1  # beyond which the strain u' + w'^2 / 2 is none
-INSTANTS = 200  # looked at, at most
+INSTANTS, IN_SPACE = 200, 20  # looked at, at most, in the plane and in space
 STRIKES = 0.5  # of the impulse between two instants that forces do not explain, from where on it is that of an impact
 ENOUGH = 0.2  # of the instants, to look at those without collisions only
 
@@ -59,7 +62,11 @@ class Worst:
 def with_axial_loads(result: Result) -> Result:
     """The result with a warning for each linear beam under axial load, and without trust where slopes are too large."""
     compiled = result.compiled
-    if compiled is None or not any(compiled.layout.axes) or not np.isfinite(result.q).all():
+    if compiled is None or not np.isfinite(result.q).all():
+        return result
+    if is_spatial(compiled.model):
+        return _in_space(result, compiled)
+    if not any(compiled.layout.axes):
         return result
     warnings, wrong = list(result.warnings), list(result.found_wrong)
     wrong += [text for b, axis in _beams(compiled, actual=True) if (text := _too_steep(result, compiled, b, axis))]
@@ -68,6 +75,29 @@ def with_axial_loads(result: Result) -> Result:
         if abs(worst.force) > SHARE * axis.euler:
             (wrong if worst.buckles else warnings).append(_told(compiled.layout.bodies[b], axis, worst))
     return replace(result, warnings=tuple(warnings), found_wrong=tuple(wrong))
+
+
+def _in_space(result: Result, compiled: CompiledScene) -> Result:
+    """The same of a spatial scene."""
+    beams = [b for b, shapes in enumerate(compiled.recovery) if isinstance(shapes, SpatialLineShapes)]
+    if not beams or len(result.times) < 2:
+        return result
+    from lcpflex.checks.spatial_axial_loads import spatial_axial_loads  # which scenes without beams do without
+
+    instants, calm = _instants(result, compiled, beams)
+    instants = instants[np.unique(np.linspace(0, len(instants) - 1, IN_SPACE).astype(np.int64))]
+    warnings: list[str] = []
+    wrong: list[str] = []
+    for b in beams:
+        try:
+            told, buckles = spatial_axial_loads(result, compiled, b, instants, calm, LASTS)
+        except (LcpflexError, np.linalg.LinAlgError):  # functions that are not there, a state that went astray
+            continue
+        if told:
+            (wrong if buckles else warnings).append(told)
+    if not (warnings or wrong):
+        return result
+    return replace(result, warnings=(*result.warnings, *warnings), found_wrong=(*result.found_wrong, *wrong))
 
 
 def axial_loads_at(compiled: CompiledScene, t: float, q: FloatArray, touching: Any) -> tuple[list[str], list[str]]:
@@ -183,7 +213,8 @@ def _with_share(
     forces.at(result, k)
     share = critical_share(compiled, b, axis, result.q[k], _inside(N[when]), forces.supports)
     # instants are spread evenly over the run, or over the part of it without collisions
-    lasts = float((-least * max(share, 1.0) >= -least[when]).mean() * (result.times[-1] - result.times[0]))
+    level = BUCKLED if share >= BUCKLED else OUT
+    lasts = float((-least * share >= -least[when] * level).mean() * (result.times[-1] - result.times[0]))
     slow = LASTS * float(slowest_vibrations(compiled.model.bodies)[b])
     gives_way = _gives_way(compiled, b, axis, result.q[k], share)
     return replace(worst, share=share, buckles=gives_way and lasts >= slow)

@@ -29,7 +29,7 @@ from lcpflex.model.layout import dimension, is_spatial
 from lcpflex.model.planar import N_RIGID
 from lcpflex.results.result import Result
 
-__all__ = ["kept_depths"]
+__all__ = ["kept_depths", "stiffness_of"]
 
 OFF = 0.005  # of a contact force, from where on a run warns
 GOOD = 0.001  # of it, which the step should be chosen for
@@ -69,7 +69,7 @@ def _forces_off(compiled: CompiledScene, q: FloatArray, deep: IntArray) -> dict[
     still = np.zeros(int(model.bodies.dof[-1]))
     W = np.array([normal_row(model, q, table, k) for k in range(found)]).reshape(found, len(still))
     laws, gaps = table.law[:found], table.gap[:found]
-    K = _stiffness(model, q)
+    K = stiffness_of(model, q)
     for k in range(found):
         law = compiled.laws[laws[k]] if laws[k] < len(compiled.laws) else None  # those of a rule are rigid
         if law is not None and gaps[k] < 0.0:
@@ -96,7 +96,7 @@ def _forces_off(compiled: CompiledScene, q: FloatArray, deep: IntArray) -> dict[
     return {int(law): float(change[laws[held] == law].sum()) for law in np.unique(laws[held])}
 
 
-def _stiffness(model: Model, q: FloatArray) -> FloatArray:
+def stiffness_of(model: Model, q: FloatArray) -> FloatArray:
     """Of springs, by differences, and of elastic modes (ndof, ndof); the model is a packed one."""
     dof, rigid = model.bodies.dof, dimension(model.bodies).rigid
     n = int(dof[-1])

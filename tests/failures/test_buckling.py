@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import pytest
+from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
 from lcpflex.bodies.reduction.stiffening import Stiffening
@@ -127,3 +128,49 @@ def test_links_that_turn_are_no_columns_that_fall() -> None:
     scene.join(lf.Revolute(beam.point("left"), scene.ground.at(0, 0)))
     result = lf.simulate(scene, 0.3, lf.GeneralizedAlpha(step=1e-3), progress=False)
     assert not doubts(result)
+
+
+def column_in_space(ends: str, share: float, turn: tuple[float, float, float], flat: bool) -> lf.SpatialScene:
+    """The same strip, flat or on edge, however it lies in space."""
+    way = Rotation.from_rotvec(turn)
+    weak, stiff = 0.02 * 0.005**3 / 12.0, 0.005 * 0.02**3 / 12.0
+    moments = (weak, stiff) if flat else (stiff, weak)
+    body = lf.SpatialBeam(1.0, 1e-4, moments, 4.0 * weak, 2700.0, 7e10, poissons_ratio=0.3, elements=20)
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    beam = scene.add(body.reduce(modes=8, damping=0.05), "strut", orientation=way)
+
+    def there(x: float) -> Any:
+        return scene.ground.at(*way.apply([x, 0.0, 0.0]))
+
+    left, right = beam.at(-0.5, 0.0, 0.0), beam.at(0.5, 0.0, 0.0)
+    if ends == "cantilever":
+        scene.join(lf.Weld(left, there(-0.5)))
+    else:
+        scene.join(lf.Ball(left, there(-0.5)))
+        scene.join(lf.PointOnLine(right, there(0.5), tuple(way.apply([1.0, 0.0, 0.0]))))
+    force = share * CRITICAL[ends] * math.pi**2 * 7e10 * weak
+    scene.load(lf.Force(right, tuple(way.apply([-force, 0.0, 0.0]).tolist())))
+    scene.load(lf.Force(beam.at(0.0, 0.0, 0.0), tuple(way.apply([0.0, 1e-3 * force, 1e-3 * force]).tolist())))
+    return scene
+
+
+@pytest.mark.parametrize("stepper", STEPPERS)
+@pytest.mark.parametrize("ends", ["pinned", "cantilever"])
+@pytest.mark.parametrize(
+    ("turn", "flat"), [((0.0, 0.0, 0.0), True), ((0.3, -0.8, 1.1), False)], ids=["flat", "on edge"]
+)
+def test_beams_of_space_buckle_too(stepper: Any, ends: str, turn: Any, flat: bool) -> None:
+    def said(share: float) -> tuple[list[str], list[str]]:
+        result = lf.simulate(column_in_space(ends, share, turn, flat), 0.04, stepper, progress=False)
+        return buckles(result.warnings), buckles(doubts(result))
+
+    assert said(0.05) == ([], [])
+    warned, wrong = said(0.6)
+    assert not wrong
+    share = float(warned[0].partition(" s, ")[2].partition(" %")[0])
+    assert (59.0 if ends == "pinned" else 50.0) < share < 60.5
+    for twice in (1.02, 2.0):
+        warned, wrong = said(twice)
+        assert not warned
+        assert "beam 'strut': compression of" in wrong[0]
+    assert said(-2.0) == ([], [])
