@@ -12,6 +12,7 @@ from lcpflex.jit.kernel import kernel
 from lcpflex.jit.struct import allocate
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.clock import StepCount
+from lcpflex.steppers.coarse_touches import Touches
 from lcpflex.steppers.not_finite import not_finite
 from lcpflex.steppers.passing import may_pass
 from lcpflex.steppers.rates import UNSTORED, ask_step, strides_of
@@ -84,6 +85,8 @@ class FixedSteps:
         self._advance = stepping.link(advance)
         self._choose(step)
         self.records.impact_step = step if stepping.support.impulsive else 0.0
+        if stepping.system.is_compliant:
+            self.records.touches = Touches(stepping.work.compliant.history.touches, step)
         own_solver = bool(stepping.solving)  # would see the steps of samples
         self.records.sampling = None if own_solver else Sampling(self, last, self._whole)
 
@@ -173,4 +176,5 @@ class FixedSteps:
 
     def remarks(self) -> tuple[list[str], list[str]]:
         """Warnings and notes of the run so far."""
-        return self.stepping.remarks(self.clock.steps), self.stepping.notes()
+        coarse = self.records.touches.warnings(self.system.names)
+        return [*self.stepping.remarks(self.clock.steps), *coarse], self.stepping.notes()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -140,9 +141,10 @@ class Passages:
         for after in (recorder.after, recorder.free):
             if not np.isfinite(after).all():
                 continue
-            moved, parts = self._size(recorder.before, after)
+            far, parts = self._size(recorder.before, after)
+            moved = max(moved, far)
             needed = passed_through(
-                self._model, recorder.before, after, moved, parts, recorder.table, self._thickness,
+                self._model, recorder.before, after, far, parts, recorder.table, self._thickness,
                 after is recorder.free, scratch, passed,
             )  # fmt: skip
             if needed:
@@ -194,14 +196,14 @@ class Passages:
         np.maximum.at(swings, body, swing)
         return swings
 
-    def clauses(self) -> list[str]:
-        """What went wrong, one clause a contact."""
+    def clauses(self, enough: Mapping[int, float]) -> list[str]:
+        """What went wrong, one clause a contact; ``enough``: the step [s] that the force law of a contact asks for."""
         return [
             f"the bodies of contact {self._system.name_of(law)!r} passed through each other, or met by luck, "
             f"at t = {p.first:.6g} s"
             + (f" and in {p.times - 1} more steps" if p.times > 1 else "")
             + f": they moved by up to {p.moved:.4g} m in a step, and are thinner than that "
-            f"({self._thickness[law]:.4g} m); take steps of at most {p.step:.2g} s"
+            f"({self._thickness[law]:.4g} m); take steps of at most {min(p.step, enough.get(law, math.inf)):.2g} s"
             for law, p in sorted(self._found.items())
         ]
 

@@ -11,6 +11,7 @@ from lcpflex.contact.rule_pairs import MORE_LAWS
 from lcpflex.force_laws.layout import UserLaw
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import copy_parts, lengthen, shapes_of
+from lcpflex.steppers.coarse_touches import NO_TOUCHES
 from lcpflex.steppers.passages import Passages, swallowed
 from lcpflex.steppers.recorder import BY_RATE, FIELDS, RUNNING, Recorder
 from lcpflex.steppers.system import System
@@ -47,6 +48,7 @@ class Records:
         self.impact_step = 0.0
         self.found_wrong: list[str] = []  # clauses: what went wrong, so that the result is not to be trusted
         self.indentation: FloatArray | None = None  # (laws,) the largest so far, where contacts are compliant [m]
+        self.touches = NO_TOUCHES  # of compliant contacts, in steps of one length
         self.functions: list[tuple[str, UserLaw]] = []  # of the user's; see lcpflex.steppers.user_functions
         self._passages = Passages(system)
         self.recorder: Recorder = (
@@ -155,7 +157,8 @@ class Records:
         """Clauses: all that went wrong, so that the result is not to be trusted."""
         system = self._system
         deep = [] if self.indentation is None else swallowed(system.model, system.names, self.indentation)
-        return [*self.found_wrong, *self._passages.clauses(), *deep]
+        passed = self._passages.clauses(self.touches.enough())
+        return [*self.found_wrong, *passed, *deep, *self.touches.doubts(system.names)]
 
     def merge(self) -> None:
         """Make one page of all, which a file holds in few pieces."""

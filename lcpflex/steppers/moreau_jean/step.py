@@ -37,6 +37,7 @@ from lcpflex.dynamics.mechanics import (
     supply,
 )
 from lcpflex.dynamics.reaction_memory import Reactions
+from lcpflex.dynamics.touches import note_touches
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.leaf import in_space
@@ -174,6 +175,7 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, rec
         recorder.counts.lost_damping -= half * work.dissipative[i] * both
         recorder.counts.supplied += half * work.driving[i] * both
     contacts = work.compliant
+    note_touches(contacts, scheme.step)
     for i in range(len(contacts.friction)):
         lost = half * contacts.friction[i] * (u[i] + work.free_u[i])
         recorder.counts.lost_friction -= lost

@@ -22,6 +22,7 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
+from lcpflex.steppers.coarse_touches import rounded_down
 from lcpflex.steppers.law_run import refuse_states
 from lcpflex.steppers.moreau_jean import adaptive as _adaptive  # noqa: F401  (what error control asks)
 from lcpflex.steppers.moreau_jean.step import MoreauJeanScheme
@@ -65,7 +66,8 @@ def _instability(scheme: MoreauJeanScheme, work: Workspace) -> list[str]:
         return []
     return [
         f"the stiffest compliant contact has frequency times step = {product:.4g} > {limit:.4g}: "
-        f"its force is explicit, and unstable there (highest frequency, with damping, {frequency:.4g} rad/s)"
+        f"its force is explicit, and unstable there (highest frequency, with damping, {frequency:.4g} rad/s; take "
+        f"steps of at most {rounded_down(limit / frequency):.2g} s)"
     ]
 
 

@@ -9,6 +9,7 @@ from lcpflex.dynamics.acceleration import project
 from lcpflex.dynamics.contact_forces import mobility, pair_place, states_of_friction
 from lcpflex.dynamics.contact_forces_history import note_depths, onset, roundings, update_history
 from lcpflex.dynamics.instants import longest_look, time_left
+from lcpflex.dynamics.touches import note_touches
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
 from lcpflex.jit.kernel import FloatArray, kernel
@@ -306,6 +307,7 @@ def step_fixed(model: Model, settings: SmoothSettings, work: Workspace, memory: 
     advance_by(model, memory.y[:nq], memory.y[nq:base], 0.5 * h, memory.end)
     if not slope(model, memory.time + 0.5 * h, memory.end, work, memory, memory.slope):
         return RunStatus.GROW
+    note_touches(work.compliant, h)
     memory.frequency = max(memory.frequency, natural_frequency(model, work, memory))
     if memory.states < len(memory.end):
         memory.frequency = max(memory.frequency, relax(model, h, work, memory))

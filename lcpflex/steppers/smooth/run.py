@@ -10,6 +10,7 @@ from lcpflex.force_laws.history import ContactMemory
 from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import IntArray
+from lcpflex.steppers.coarse_touches import Touches, rounded_down
 from lcpflex.steppers.law_run import law_warnings, too_deep
 from lcpflex.steppers.rates import UNSTORED, strides_of
 from lcpflex.steppers.records import Records
@@ -69,6 +70,7 @@ class SmoothSteps:
         self._advance = link(advance_fixed if fixed_step else advance, system.hooks)
         if fixed_step:
             strides_of(self.records.recorder.rates, fixed_step)
+            self.records.touches = Touches(self.history.touches, fixed_step)
             self.work.span[:] = 0.5 * fixed_step  # loads by their mean over a step
             total = math.ceil(settings.duration / fixed_step)
             self.records.sampling = Sampling(self, total, total)
@@ -137,9 +139,10 @@ class SmoothSteps:
         if not product <= STABLE:
             warnings.append(
                 f"the stiffest contact has sqrt(k G_nn) step = {product:.4g} > 2: explicit steps of fixed length are "
-                f"unstable there (highest contact frequency {self.clock.frequency:.4g} rad/s)"
+                f"unstable there (highest contact frequency {self.clock.frequency:.4g} rad/s; take steps of at most "
+                f"{rounded_down(STABLE / self.clock.frequency):.2g} s)"
             )
-        return warnings, []
+        return [*warnings, *self.records.touches.warnings(self.system.names)], []
 
     def state(self) -> tuple[Any, ...]:
         """All that a step changes, q and u first."""
