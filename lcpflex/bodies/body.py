@@ -227,7 +227,8 @@ class Body:
     fidelity_levels : gives the same body at other fidelities, from rigid to the whole mesh; None where only this one is
         known
     residual_modes : how many of the last coordinates are residual modes, the static response at interfaces
-    contact_modes : how many of these interfaces of contacts have added: what ``MasslessBoundary`` makes static
+    contact_modes : how many of these interfaces of contacts have added; where there are some, ``MasslessBoundary``
+        makes residual modes static that joints and springs do not need
     statics : static compliance of the whole mesh, to compare with; None where it is not known
     axis : of a beam: what its axial force is compared with; None for other bodies
     recovery : what its section forces or stresses are recovered from; None where they cannot be

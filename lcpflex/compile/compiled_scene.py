@@ -157,7 +157,7 @@ class CompiledScene:
             bodies=self.layout.bodies,
             laws=self.laws,
             functions=self.functions,
-            contact_modes=tuple(contacts for _, contacts in self.layout.residual),
+            residual_modes=tuple(modes if contacts else 0 for modes, contacts in self.layout.residual),
             calls=calls if self.callbacks else None,
             size=self.size,
             rule_surfaces=self.layout.rule_surfaces,

@@ -15,7 +15,7 @@ from lcpflex.kinematics.points import Arm, add_point_row, add_rotation_row, poin
 from lcpflex.kinematics.relative import add_gradient, apart, coordinate_gradient, coordinate_value, relative_motion
 from lcpflex.model.arrays import Model
 
-__all__ = ["EFFORTS", "FOLLOWER", "FORCE", "TORQUE", "applied_forces", "spring_energy"]
+__all__ = ["EFFORTS", "FOLLOWER", "FORCE", "TORQUE", "applied_forces", "effort", "spring_energy"]
 
 EFFORTS = ("force", "follower", "torque")  # in world axes; in axes that turn with the material; on the material
 FORCE, FOLLOWER, TORQUE = range(len(EFFORTS))

@@ -5,7 +5,8 @@ With the compliance F of the static modes and the gaps of the configuration with
     0 <= lambda_N  _|_  g_free + F_NN lambda_N + F_NT lambda_T >= 0
     -lambda_T in mu lambda_N Sign(Delta g_T),   Delta g_T = W_T^T h u_h + F_T (lambda - lambda_old)
 
-where Delta g_T is the slip of the step. It is the LCP of planar Coulomb friction with F for the Delassus matrix.
+where Delta g_T is the slip of the step. Forces and torques of the scene move the static modes, too: their share is in
+g_free and in the slip. It is the LCP of planar Coulomb friction with F for the Delassus matrix.
 Gaps are measured in the largest of the problem and compliances in the largest of F, so that the residual of the
 solver means the same at every scale. Elastic laws of contacts are in F: :mod:`lcpflex.dynamics.contact_compliance`.
 Source: Monjaraz-Tec, Gross & Krack 2022 (massless boundary).
@@ -13,22 +14,18 @@ Source: Monjaraz-Tec, Gross & Krack 2022 (massless boundary).
 
 from __future__ import annotations
 
-import math
-
 from lcpflex.dynamics.contact_compliance import ContactCompliance, soften
 from lcpflex.dynamics.contact_problem import describe_contacts, lay_as_one
 from lcpflex.dynamics.delassus import delassus, row_velocity
-from lcpflex.dynamics.mechanics import contact_biases, factorise, fill_contact_rows, solve_rows
+from lcpflex.dynamics.mechanics import contact_biases, fill_contact_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
-from lcpflex.solvers.contact.compiled import sticks
 
-__all__ = ["admissible", "pose_position", "split_forces", "static_response", "static_sway"]
+__all__ = ["RIGID", "pose_position", "split_forces", "static_response", "static_sway"]
 
-RIGID = 1e-12  # compliance below this part of the largest of the problem
-REDUNDANT = 1e-10  # pivot, relative to the compliance of its row, that counts as zero
+RIGID = 1e-12  # compliance below this part of the largest of the problem, and of the bodies, is none
 
 
 @kernel
@@ -81,15 +78,20 @@ def pose_position(
     n: int,
     before: FloatArray,
     flexibility: FloatArray,
+    load: FloatArray,
     compliance: ContactCompliance,
     unit: FloatArray,
+    slack: float,
+    least: float,
     work: Workspace,
 ) -> int:
     """Pose the problem of the first n contacts of the table at ``work.middle``, reached with ``work.free_u``.
 
     Linearised about the static coordinates there, and about the gaps, which must be those there; ``before`` (ndof,) has
-    the static coordinates before the step. Scaled F and gaps go to work.problem; unit: the unit of force [N],
-    and the largest compliance [m/N]. Returns -1, or the contact that has no compliance.
+    the static coordinates before the step, ``load`` those that forces and torques of the scene make. Scaled F and gaps
+    go to work.problem; unit: the unit of force [N], and the largest compliance [m/N]. Returns -1, or the contact that
+    closes without compliance, that is with up to ``least`` [m/N] or a trillionth of the largest; one whose gap is no
+    less than -``slack`` stays open, as where joints hold a body.
     """
     q = work.middle
     n_joint = len(work.residual)
@@ -111,15 +113,21 @@ def pose_position(
         b = 0.0
         if r < n:
             b = work.table.gap[r] - static_part(work, flexibility, n_joint + r, q)
+            b += static_part(work, flexibility, n_joint + r, load)
         else:  # with the row half a step ago, to second order
             slip = row_velocity(work.rows, work.row_body, n_joint + r, work.dof, work.free_u)
             b = step * (slip - 0.5 * step * work.bias[n_joint + r])
             b -= static_part(work, flexibility, n_joint + r, before)
+            b += static_part(work, flexibility, n_joint + r, load)
         work.problem.free[r] = b
         softest = max(softest, work.problem.delassus[r, r])
+    rigid = max(RIGID * softest, least)
     for r in range(total):
-        if not work.problem.delassus[r, r] > RIGID * softest and (r >= n or compliance.soft[work.table.law[r]] == 0):
-            return r if r < n else work.tangent[r - n]
+        k = r if r < n else work.tangent[r - n]
+        if not work.problem.delassus[r, r] > rigid and (r >= n or compliance.soft[work.table.law[k]] == 0):
+            if work.problem.delassus[k, k] > rigid or work.problem.free[k] < -slack:
+                return k
+            work.problem.free[k] = max(work.problem.free[k], 0.0)
     soften(compliance, work, n, total)
     largest = 0.0
     for r in range(total):
@@ -127,6 +135,8 @@ def pose_position(
         softest = max(softest, work.problem.delassus[r, r])
     if largest == 0.0:
         largest = 1.0
+    if softest == 0.0:
+        softest = 1.0
     if total > 0:
         unit[0] = largest / softest
         unit[1] = softest
@@ -151,11 +161,11 @@ def split_forces(work: Workspace, unit: FloatArray) -> None:
 
 
 @kernel
-def static_response(work: Workspace, flexibility: FloatArray, q: FloatArray) -> None:
-    """The static coordinates in q under the forces work.p of the contact rows."""
+def static_response(work: Workspace, flexibility: FloatArray, load: FloatArray, q: FloatArray) -> None:
+    """The static coordinates in q under the forces work.p of the contact rows, beside those that ``load`` holds."""
     for i in range(len(q)):
         if flexibility[i] > 0.0:
-            q[i] = 0.0
+            q[i] = load[i]
     n_joint = work.n_joint
     for r in range(n_joint, n_joint + work.n_contacts + work.n_tangents):
         if work.p[r] != 0.0:
@@ -165,88 +175,3 @@ def static_response(work: Workspace, flexibility: FloatArray, q: FloatArray) -> 
                     d = work.dof[b]
                     for k in range(N_RIGID, work.dof[b + 1] - d):
                         q[d + k] += flexibility[d + k] * work.rows[r, i, k] * work.p[r]
-
-
-@kernel
-def semidefinite(A: FloatArray, n: int, scale: FloatArray) -> bool:
-    """Whether the symmetric A[:n, :n] is positive semidefinite; its lower triangle is overwritten by its factor.
-
-    To rounding, relative to the diagonal of ``scale`` (n, n): contacts at one place are redundant.
-    """
-    for i in range(n):
-        for j in range(i + 1):
-            total = A[i, j]
-            for k in range(j):
-                total -= A[i, k] * A[j, k]
-            if j == i:
-                if total < -REDUNDANT * scale[i, i]:
-                    return False
-                A[i, i] = math.sqrt(total) if total > REDUNDANT * scale[i, i] else 0.0
-            elif A[j, j] > 0.0:
-                A[i, j] = total / A[j, j]
-            elif total * total > REDUNDANT * scale[i, i] * scale[j, j]:
-                return False
-            else:
-                A[i, j] = 0.0
-    return True
-
-
-@kernel
-def stiffens(work: Workspace, r: int) -> bool:
-    """Whether contact row r is a spring in the present solution: a normal that is closed, a tangent that sticks."""
-    n = work.n_contacts
-    if r < n:
-        return work.solver.normal[r] > 0.0
-    return sticks(work.problem, work.solver, r - n)
-
-
-@kernel
-def admissible(
-    model: Model, q: FloatArray, square: float, flexibility: FloatArray, unit: FloatArray, work: Workspace
-) -> bool:
-    """Whether no frequency of the system with its contacts as they are closed exceeds sqrt(square) [1/s].
-
-    Of M udd + (K + W F^-1 W^T) q = 0, W the rows of closed normals and of tangents that stick: with s = ``square``,
-    M - K/s and F - W^T (M - K/s)^-1 W / s must be positive semidefinite: exact, by Schur's complement, without an
-    eigenvalue; joints only lower the frequencies. The force of sliding contacts is no spring, and not in it.
-    Overwrites the factors of M, and the solved rows of the contacts.
-    """
-    bodies = model.bodies
-    for b in range(len(bodies.mass)):
-        for i in range(bodies.dof[b] + N_RIGID, bodies.dof[b + 1]):
-            if flexibility[i] == 0.0 and not bodies.stiffness[i - N_RIGID * (b + 1)] < square:
-                return False
-    n_joint = work.n_joint
-    total = work.n_contacts + work.n_tangents
-    springs = 0
-    for r in range(total):
-        if stiffens(work, r):
-            springs += 1
-    if springs == 0:
-        return True
-    factorise(model, q, 0.0, -1.0 / square, work)
-    for r in range(total):
-        if stiffens(work, r):
-            solve_rows(model, work, n_joint + r, n_joint + r + 1)
-            clear_static(work, flexibility, n_joint + r)
-    delassus(work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], work.part, total, work.G)
-    scale = 1.0 / (square * unit[1])
-    for r in range(total):
-        for s in range(r + 1):
-            if stiffens(work, r) and stiffens(work, s):
-                work.G[r, s] = work.problem.delassus[r, s] - scale * work.G[r, s]
-            else:
-                work.G[r, s] = 1.0 if r == s else 0.0
-    return semidefinite(work.G, total, work.problem.delassus)
-
-
-@kernel
-def clear_static(work: Workspace, flexibility: FloatArray, r: int) -> None:
-    """solved[r] without its static coordinates."""
-    for i in range(2):
-        b = work.row_body[r, i]
-        if b >= 0:
-            d = work.dof[b]
-            for k in range(N_RIGID, work.dof[b + 1] - d):
-                if flexibility[d + k] > 0.0:
-                    work.solved[r, i, k] = 0.0

@@ -32,6 +32,7 @@ __all__ = [
     "SLIP",
     "STICK",
     "bodiless_model",
+    "changed",
     "empty",
     "frozen",
     "refrozen",
@@ -222,6 +223,16 @@ def refrozen(values: T) -> T:
         else:
             refrozen(value)
     return values
+
+
+def changed(kind: type[N], values: N, **changes: Any) -> N:
+    """Named arrays of a kind, packed or not, some of them replaced."""
+    fields: Any = kind
+    taken = {name: changes.get(name, getattr(values, name)) for name in fields._fields}
+    return kind(**{
+        name: frozen(value, value.dtype) if name in changes and isinstance(value, np.ndarray) else value
+        for name, value in taken.items()
+    })  # fmt: skip
 
 
 class PointTable:

@@ -64,7 +64,7 @@ class System:
     soft: tuple[int, ...] = ()  # 1 for each rigid contact that gives way by an elastic law; empty if none does
     functions: tuple[CompiledFunction, ...] = ()  # that the model calls by their addresses
     probe: Callable[[float], FloatArray] | None = None  # forces at the start as a function of time, of a user's system
-    contact_modes: tuple[int, ...] = ()  # of each body: how many of its last modes are residual ones of contacts
+    residual_modes: tuple[int, ...] = ()  # of each body that has some for its contacts: how many of its last modes are
     calls: Calls | None = None  # of Python functions of time, where there are any
     size: float = 0.0  # extent of the largest body [m]; 0 where bodies are unknown
     rule_surfaces: tuple[str, ...] = ()  # labels of the surfaces between which a rule holds that is not listed

@@ -77,7 +77,7 @@ def final(build: Build, start: State, duration: float, steps: int, modes: int) -
     [
         (pressed_bar, 4.0, 1.0, 120, 8),
         (leaning_beam, 0.15, 0.1, 60, 3),
-        (partial(leaning_beam, friction=2.0), 0.15, 0.1, 60, 3),
+        (partial(leaning_beam, friction=2.0), 0.15, 0.1, 480, 1),  # and what the guide holds
     ],
     ids=["pressed bar", "foot slides", "foot sticks"],
 )

@@ -60,8 +60,8 @@ def test_static_modes_are_those_of_contacts() -> None:
     residual, of_contacts = compiled.layout.residual[0]
     assert residual > of_contacts > 0
     result = lf.simulate(scene, 1e-4, lf.MasslessBoundary(step=1e-7), progress=False)
-    static = (result.u[:, 3 : 9 + residual] == 0.0).all(axis=0)
-    assert np.flatnonzero(static).tolist() == list(range(6 + residual - of_contacts, 6 + residual))
+    sizes = np.linalg.svd(result.u[:, 3 : 9 + residual], compute_uv=False)
+    assert (sizes > 1e-12 * sizes[0]).sum() == 6 + 3  # and the three ways of the weld, which one contact node shares
     soft = lf.simulate(scene, 1e-4, lf.MasslessBoundary(step=1e-7, compliance={"strike": LAW}), progress=False)
     modes = soft.modes_of("strip").columns
     assert (soft.u[:, modes] != 0.0).any(axis=0).all()

@@ -32,6 +32,9 @@ class Interface:
     along : direction (x, y) of the only force that acts there, body frame; None for forces in any direction
     moment : whether a moment acts there, as of a weld, a prismatic joint, a prescribed angle or a torque
     forces : whether forces act there; False for a torque alone
+    contact : whether something touches the body there: of a body with such interfaces ``MasslessBoundary`` makes
+        residual modes static, all but what joints and springs need of them
+    forces : whether forces act there; False for a torque alone
     contact : whether something touches the body there: ``MasslessBoundary`` makes as many residual modes static as such
         interfaces add, and keeps the others dynamic
 

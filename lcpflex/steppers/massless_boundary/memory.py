@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from lcpflex.dynamics.contact_compliance import ContactCompliance
-from lcpflex.jit.kernel import FloatArray
+from lcpflex.dynamics.stable_step import HeldRows
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import array, struct
 
 __all__ = ["BoundaryScheme"]
@@ -18,12 +19,18 @@ class BoundaryScheme:
     least_parts: float  # into which every step is divided, and at the most
     most_parts: float
     gap_tolerance: float
+    least: float  # compliance up to which a contact has none [m/N]
     tolerance: float
     spring: float
     damper: float
     q: FloatArray
     u: FloatArray
     flexibility: FloatArray  # (ndof,) 1/omega^2 of static coordinates, else 0 [s^2]
+    load: FloatArray = array("ndof")  # static coordinates that forces and torques of the scene make
+    load_before: FloatArray = array("ndof")  # those of the step before
+    loaded: int  # 1: there may be some
+    turn_start: IntArray  # (bodies + 1,) offsets into turn; equal where the coordinates of a body are its own
+    turn: FloatArray  # flat n x n matrices T, row-major: q = T q' of the modes of a body (lcpflex.dynamics.held_modes)
     acceleration: FloatArray = array("ndof")
     rate: FloatArray = array("ndof")  # of change of the static coordinates, of which contacts are linearised
     guess: FloatArray = array("ndof")  # velocity at which forces are evaluated
@@ -36,3 +43,4 @@ class BoundaryScheme:
     finest: float  # most parts of one
     n_closed: int  # contacts
     compliance: ContactCompliance  # elastic laws of contacts
+    held: HeldRows

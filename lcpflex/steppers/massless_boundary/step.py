@@ -17,7 +17,8 @@ from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.joint_reactions import lay_reactions, note_ends
 from lcpflex.dynamics.joint_response import factorise_joints, solve_joints
 from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
-from lcpflex.dynamics.position import admissible, pose_position, split_forces, static_response, static_sway
+from lcpflex.dynamics.position import pose_position, split_forces, static_response, static_sway
+from lcpflex.dynamics.stable_step import admissible
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
 from lcpflex.kinematics.configuration import advance as move, difference
@@ -26,8 +27,10 @@ from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.contact.compiled import slip_of, solve_contacts
 from lcpflex.solvers.contact.recollection import recall_basis, remember_basis, turn_over
+from lcpflex.solvers.semidefinite import dot
 from lcpflex.steppers.clock import StepClock, StepCount
 from lcpflex.steppers.massless_boundary.memory import BoundaryScheme
+from lcpflex.steppers.massless_boundary.static_loads import book_loads, load_static_modes
 from lcpflex.steppers.passing import set_out
 from lcpflex.steppers.projection import project_joints
 from lcpflex.steppers.recorder import (
@@ -67,6 +70,7 @@ def predict(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Work
         difference(model, work.ahead, work.middle, work.ahead)
         for i in range(len(u)):
             work.free_u[i] += work.ahead[i] / h
+    load_static_modes(model, scheme, t, work)
     deflection = static_sway(model, scheme.flexibility, q) + static_sway(model, scheme.flexibility, work.middle)
     return detect(model, work.middle, scheme.gap_tolerance + deflection, work.table)
 
@@ -205,6 +209,7 @@ def correct(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Work
         finite = finite and math.isfinite(work.middle[i] + work.free_u[i] + 0.5 * h * scheme.acceleration[i])
     if not finite:
         return False
+    book_loads(h, scheme, work, recorder)
     difference(model, q, work.middle, scheme.rate)
     for i in range(len(q)):
         moved = scheme.flexibility[i] > 0.0 and h > 0.0 and scheme.n_closed > 0
@@ -239,7 +244,24 @@ def record_forces(model: Model, scheme: BoundaryScheme, t: float, work: Workspac
             place = contact_point(model, q, work.table, k)
             note_contact(recorder, work.table.law[k], place, work.table.normal[k], work.normal[k], force_t, state)
     store_state(model, t, q, u, work, compliance_energy(scheme.compliance, work), recorder)
+    turn_back(model, scheme, recorder)
     return needed
+
+
+@kernel
+def turn_back(model: Model, scheme: BoundaryScheme, recorder: Recorder) -> None:
+    """The instant just stored in the coordinates that its bodies came with."""
+    row = recorder.n_instants - 1
+    dof = model.bodies.dof
+    for b in range(len(dof) - 1):
+        start = scheme.turn_start[b]
+        if scheme.turn_start[b + 1] > start:
+            first = dof[b] + N_RIGID
+            n = dof[b + 1] - first
+            for i in range(n):
+                line = scheme.turn[start + i * n : start + (i + 1) * n]
+                recorder.q[row, first + i] = dot(line, scheme.q, first, n)
+                recorder.u[row, first + i] = dot(line, scheme.u, first, n)
 
 
 @kernel
@@ -258,7 +280,7 @@ def deform(model: Model, scheme: BoundaryScheme, work: Workspace) -> float:
     Relative to the largest static displacement of them. Those with a law of their own have a gap, see ``misfit``.
     """
     split_forces(work, scheme.unit)
-    static_response(work, scheme.flexibility, work.middle)
+    static_response(work, scheme.flexibility, scheme.load, work.middle)
     left = 0.0
     displaced = 0.0
     for k in range(work.n_contacts):
@@ -275,7 +297,7 @@ def short_enough(model: Model, scheme: BoundaryScheme, h: float, work: Workspace
     square = (2.0 * scheme.safety / h) ** 2 - scheme.spring
     if square <= 0.0 or h * scheme.damper > scheme.safety:
         return False
-    return admissible(model, work.middle, square, scheme.flexibility, scheme.unit, work)
+    return admissible(model, work.middle, square, scheme.flexibility, scheme.unit, scheme.held, work)
 
 
 @kernel
@@ -311,7 +333,10 @@ def solve_contact_forces(
     choose(model, scheme.compliance, work, n)
     passes = 0
     while True:
-        clock.number = pose_position(model, h, n, scheme.q, scheme.flexibility, scheme.compliance, scheme.unit, work)
+        clock.number = pose_position(
+            model, h, n, scheme.q, scheme.flexibility, scheme.load, scheme.compliance, scheme.unit,
+            scheme.gap_tolerance, scheme.least, work,
+        )  # fmt: skip
         if clock.number >= 0.0:
             return RunStatus.STIFF
         recall_basis(work.problem, work.solver, work.remembered)

@@ -1,4 +1,4 @@
-"""Massless boundary: the highest modes of a body are its contact compliance, the others are advanced explicitly.
+"""Massless boundary: modes of a body are its contact compliance, the others are advanced explicitly.
 
 Without inertia at the contact there is nothing that could strike: no impulse, no coefficient of restitution. Contact
 forces lambda solve a problem at position level (:mod:`lcpflex.dynamics.position`), the rest is velocity Verlet,
@@ -27,21 +27,19 @@ from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.bodies.body import whole_number
 from lcpflex.dynamics import start
 from lcpflex.dynamics.contact_compliance import ContactCompliance, contact_compliance
+from lcpflex.dynamics.held_modes import PartedModes, part_modes
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.dynamics.mechanics import supply
-from lcpflex.dynamics.static_modes import (
-    check_compliance,
-    contact_stiffness,
-    flexibilities,
-    spring_rates,
-    with_static_modes,
-)
+from lcpflex.dynamics.position import RIGID
+from lcpflex.dynamics.stable_step import HeldRows
+from lcpflex.dynamics.static_modes import check_compliance, flexibilities, softest, with_static_modes
+from lcpflex.dynamics.step_guess import Mobility, contact_stiffness, highest_square, spring_rates
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError
 from lcpflex.force_laws.layout import ElasticLaw
-from lcpflex.jit.dispatch import link
+from lcpflex.jit.dispatch import Hooks, link
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.jit.struct import allocate
+from lcpflex.jit.struct import allocate, lengthen
 from lcpflex.model.arrays import Model
 from lcpflex.model.layout import is_spatial
 from lcpflex.model.planar import N_RIGID
@@ -57,7 +55,7 @@ from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import scales_of
 from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.system import System
-from lcpflex.steppers.time_stepping import Support, TimeStepping
+from lcpflex.steppers.time_stepping import FIRST_ROOM, Support, TimeStepping
 
 __all__ = ["MasslessBoundary"]
 
@@ -143,13 +141,14 @@ class MasslessBoundary:
         at the start, and at most a thousandth of the duration.
     dynamic_modes
         Number of lowest modes that keep their mass, of each body with a contact; those above are its compliance at
-        contacts. None: all modes that were asked for, where the body has residual modes for its contacts besides, as
-        ``scene.add(body, modes=8)`` gives it; half of its modes, rounded down, where it has none. Fewer allow longer
-        steps; 1/omega^2 of the modes above them must hold enough compliance for all the contacts of the body that
-        close together.
+        contacts and under forces, but for what gives way to joints and springs, which keeps its mass, too: a body has
+        the static compliance of all its modes wherever something acts. None: all modes that were asked for, where the
+        body has residual modes for its contacts besides, as ``scene.add(body, modes=8)`` gives it; half of its modes,
+        rounded down and with those of joints, where it has none. Fewer allow longer steps; 1/omega^2 of the modes above
+        them must hold enough compliance for all the contacts of the body that close together.
     substeps
         Divide steps that the stability limit 2/omega does not admit, where omega is the highest frequency of the
-        system with its contacts closed as they are. False: stop instead, with the admissible step.
+        system with its contacts closed as they are and its joints held. False: stop instead, with the admissible step.
     safety
         In (0, 1]: part of that limit that a step may use. Stable up to 1 with contacts that stay closed or open; one
         that closes or opens within a step changes the energy by order (h omega)^2. Sliding friction is not in it.
@@ -211,10 +210,11 @@ class MasslessBoundary:
             system.model.contacts, compliance_rows(self.compliance, system.names, system.n_laws)
         )
         given = system
-        system, flexibility = self._with_static_modes(system, compliance)
-        scheme = self._scheme(system, flexibility, compliance, duration)
-        remarks = Remarks(system, self.step, _lost(given, flexibility))
+        system, parted = self._with_static_modes(system, compliance)
+        scheme = self._scheme(system, parted, compliance, duration)
+        remarks = Remarks(system, self.step, _lost(given, parted))
         support = Support(
+            grown=_grown,
             carried=lambda work: (work,),
             warnings=remarks.warnings,
             trouble=remarks.trouble,
@@ -226,35 +226,40 @@ class MasslessBoundary:
         scheme.q[:], scheme.u[:] = _consistent(system, stepping.work)
         return Run(FixedSteps(stepping, duration, interval, (0.5, 0.5), begun=False))
 
-    def _with_static_modes(self, system: System, compliance: ContactCompliance) -> tuple[System, FloatArray]:
-        """The system whose bodies have static modes, and their flexibility."""
+    def _with_static_modes(self, system: System, compliance: ContactCompliance) -> tuple[System, PartedModes]:
+        """The system whose bodies have static modes, and the modes of the given one, parted."""
         soft = compliance.soft
-        flexibility = flexibilities(system.model, self.dynamic_modes, soft, system.contact_modes)
+        flexibility = flexibilities(system.model, self.dynamic_modes, soft, system.residual_modes, system.q)
         _refuse_shortening(system.model, flexibility)
-        model = with_static_modes(system.model, flexibility)
-        check_compliance(model, flexibility, system.q, soft, system.contact_name)
-        u = np.where(flexibility > 0.0, 0.0, system.u)
+        parted = part_modes(system.model, flexibility, system.q)
+        model = with_static_modes(parted.model, parted.flexibility)
+        check_compliance(model, parted.flexibility, system.q, soft, system.contact_name)
         gives = tuple(soft.tolist()) if soft.any() and not soft.all() else ()
-        return replace(system, model=model, q=system.q.copy(), u=u, soft=gives), flexibility
+        hooks = _asked_in_former(system.hooks, parted)
+        q, u = parted.coordinates(system.q), parted.velocities(system.u)
+        return replace(system, model=model, q=q, u=u, soft=gives, hooks=hooks), parted
 
     def _scheme(
-        self, system: System, flexibility: FloatArray, compliance: ContactCompliance, duration: float
+        self, system: System, parted: PartedModes, compliance: ContactCompliance, duration: float
     ) -> BoundaryScheme:
         """Numbers, state and memory at the start: everything at rest, no contact closed."""
-        model = system.model
+        model, flexibility = system.model, parted.flexibility
         spring, damper = spring_rates(model, flexibility)
-        static = flexibility[_elastic(system)] > 0.0
-        highest = float(np.max(model.bodies.stiffness[~static], initial=0.0))
+        highest = highest_square(model, system.q, flexibility)
         give = expected_compliance(system, compliance) / FINER**2  # and forces that do not matter, in ``compliance``
         step = self.step
         if step is None:
             step = duration / 1000.0
-            if (square := spring + highest + contact_stiffness(model, flexibility, give)) > 0.0:
+            is_held = np.array([T is not None for T in parted.turn], dtype=bool)
+            mobility = Mobility(model, flexibility, system.q, bool(is_held.any() and system.n_joint))
+            if (square := spring + highest + contact_stiffness(model, flexibility, give, mobility, is_held)) > 0.0:
                 step = min(step, SEVERAL * 2.0 * self.safety / math.sqrt(square))
             if damper > 0.0:
                 step = min(step, self.safety / damper)
         parts = step * max(0.5 * math.sqrt(spring + highest), damper) / self.safety
         parts = float(min(max(1, math.ceil(parts)), MOST_PARTS)) if self.substeps else 1.0
+        turned = [np.zeros(0) if T is None else T.ravel() for T in parted.turn]
+        pushed = model.points.body[model.loads.force_point]
         return allocate(
             BoundaryScheme,
             {"ndof": len(flexibility), "laws": len(compliance.soft)},
@@ -264,15 +269,45 @@ class MasslessBoundary:
             parts=parts,
             most_parts=MOST_PARTS if self.substeps else 1.0,
             gap_tolerance=scales_of(system, duration).gap(self.gap_tolerance),
+            least=RIGID * softest(model, flexibility),
             tolerance=self.solver_tolerance,
             spring=spring,
             damper=damper,
             q=system.q,
             u=system.u,
             flexibility=np.array(flexibility),
+            loaded=int(any(flexibility[slice(*model.bodies.dof[b : b + 2])].any() for b in pushed[pushed >= 0])),
+            turn_start=np.cumsum([0, *(len(flat) for flat in turned)]),
+            turn=np.concatenate([np.zeros(0), *turned]),
             unit=np.ones(2),
             compliance=compliance,
+            held=_held_rows(system),
         )
+
+
+def _held_rows(system: System) -> HeldRows:
+    """Memory for the joints of a system."""
+    dof = system.model.bodies.dof
+    sizes = {"joints": system.n_joint, "width": int(np.max(np.diff(dof), initial=1)), "bodies": len(dof) - 1}
+    return allocate(HeldRows, {**sizes, "pairs": 2 * FIRST_ROOM})
+
+
+def _grown(scheme: BoundaryScheme, contacts: int) -> BoundaryScheme:
+    """The same with room for more contacts."""
+    lengthen(scheme, "pairs", len(scheme.held.coupling), 2 * contacts)
+    return scheme
+
+
+def _asked_in_former(hooks: Hooks, parted: PartedModes) -> Hooks:
+    """The same, Python functions of the state asked in the coordinates that bodies came with."""
+    given = hooks.get(supply)
+    if given is None or all(T is None for T in parted.turn):
+        return hooks
+
+    def asked(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> None:
+        given(model, t, parted.former(q), parted.former(u), work)
+
+    return {**hooks, supply: asked}
 
 
 def _elastic(system: System) -> IntArray:
@@ -313,14 +348,14 @@ def _refuse_shortening(model: Model, flexibility: FloatArray) -> None:
             )
 
 
-def _lost(system: System, flexibility: FloatArray) -> list[str]:
+def _lost(system: System, parted: PartedModes) -> list[str]:
     """A warning where the initial state holds much of its energy in modes that are static from now on."""
-    static = flexibility > 0.0
+    static = parted.flexibility > 0.0
     K = np.zeros(len(system.q))
-    K[_elastic(system)] = system.model.bodies.stiffness
-    u = system.u
-    stored = 0.5 * (float(K @ system.q**2) + float(u @ mass_matrix(system.model, system.q) @ u))
-    lost = 0.5 * (float(K[static] @ system.q[static] ** 2) + float(u[static] @ u[static]))
+    K[_elastic(system)] = parted.model.bodies.stiffness
+    q, u, left = parted.coordinates(system.q), system.u, parted.velocities(system.u)
+    stored = 0.5 * (float(K @ q**2) + float(u @ mass_matrix(system.model, system.q) @ u))
+    lost = 0.5 * (float(K[static] @ q[static] ** 2) + float(u @ u - left @ left))
     if lost <= LOST * stored:
         return []
     return [

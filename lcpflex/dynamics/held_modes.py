@@ -1,0 +1,251 @@
+"""Modes that are to be static, parted by what moves them: joints and springs, or contacts and forces.
+
+Let E be the modes of a body that are to have no mass, and B what joints and springs do on them. What gives way to these
+keeps its mass, and the rest, which stays, is what contacts and forces are left:
+
+    X_d = Omega_E^-2 B Y,      X_d^T X_d = 1,  X_d^T Omega_E^2 X_d = diag
+    B^T X_s = 0,               X_s^T X_s = 1,  X_s^T Omega_E^2 X_s = diag
+
+X_s is the complement of X_d in the metric of the stiffness, so that both together have the static compliance of E, at
+contacts as well as at joints, and contact forces move no joint. Mass alone couples them: X_d^T X_s, which is left out
+with the mass of X_s. The modes of the other bodies, and all modes where nothing holds the body, stay as they are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from itertools import pairwise
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from lcpflex.basics.blas import one_thread
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.struct import pack
+from lcpflex.model.arrays import Bodies, Contacts, Model, Points, changed
+from lcpflex.model.coordinates import ALONG, ANGULAR
+from lcpflex.model.planar import N_RIGID
+
+__all__ = ["PartedModes", "held_count", "part_modes"]
+
+SHARE = 1e-5  # of the compliance of a body at a joint: what its static modes have less of is left to contacts
+NOTHING = 1e-12  # of the largest compliance of a body at its joints: none, as along an axis that does not stretch
+DEPENDENT = 1e-4  # square root of the share of the compliance that one more mode of joints must add
+SOFT = 1e-3  # stiffness of a spring by that of the static modes: they change what it holds by no more
+
+
+Way: TypeAlias = tuple[FloatArray, bool]  # shapes (n,) of the modes, and whether they turn
+
+
+class PartedModes(NamedTuple):
+    """A model whose static modes stay where joints and springs act, and its coordinates by the former ones.
+
+    ``turn``: by body the matrix T (n, n) of q = T q', modal coordinates of the model as it was by those of this one;
+    None where they are the same.
+    """
+
+    model: Model
+    flexibility: FloatArray  # (ndof,) 1/omega^2 [s^2] of static coordinates, else 0
+    turn: tuple[FloatArray | None, ...]
+
+    def coordinates(self, values: FloatArray) -> FloatArray:
+        """Coordinates of this model from those of the former one (ndof,)."""
+        return self._mapped(values, lambda T, modal: np.asarray(np.linalg.solve(T, modal)))
+
+    def velocities(self, values: FloatArray) -> FloatArray:
+        """Velocities of this model nearest to those of the former one (ndof,), none of static coordinates."""
+        nearest = self._mapped(values, lambda T, modal: np.asarray(T.T @ modal))
+        return np.where(self.flexibility > 0.0, 0.0, nearest)
+
+    def former(self, values: FloatArray) -> FloatArray:
+        """Coordinates or velocities of the former model from those of this one (ndof,)."""
+        return self._mapped(values, lambda T, modal: np.asarray(T @ modal))
+
+    def _mapped(self, values: FloatArray, by: Callable[[FloatArray, FloatArray], FloatArray]) -> FloatArray:
+        out = values.copy()
+        for turn, (first, last) in zip(self.turn, pairwise(self.model.bodies.dof.tolist()), strict=True):
+            if turn is not None:
+                out[first + N_RIGID : last] = by(turn, values[first + N_RIGID : last])
+        return out
+
+
+def part_modes(model: Model, flexibility: FloatArray, q: FloatArray) -> PartedModes:
+    """Part the modes of positive ``flexibility`` (ndof,), body by body, as the module says; bodies stand at q."""
+    flexibility = flexibility.copy()
+    turn: list[FloatArray | None] = []
+    stiffness = model.bodies.stiffness.copy()
+    for b, (first, last) in enumerate(pairwise(model.bodies.dof.tolist())):
+        static = np.flatnonzero(flexibility[first + N_RIGID : last])
+        own = slice(first - N_RIGID * b, last - N_RIGID * (b + 1))
+        if not len(static):
+            turn.append(None)
+            continue
+        with one_thread(len(static)):
+            parts = _parts(stiffness[own][static], _held(model, q, b, stiffness[own], static)[static])
+        if parts is None:
+            turn.append(None)
+            continue
+        count, columns, squares = parts
+        whole = np.eye(last - first - N_RIGID)
+        whole[np.ix_(static, static)] = columns
+        turn.append(whole)
+        stiffness[own.start + static] = squares
+        flexibility[first + N_RIGID + static] = np.where(np.arange(len(static)) < count, 0.0, 1.0 / squares)
+    return PartedModes(_turned(model, stiffness, turn), flexibility, tuple(turn))
+
+
+def _held(model: Model, q: FloatArray, b: int, omega2: FloatArray, static: IntArray) -> FloatArray:
+    """(n, k) what unit forces and moments of joints and springs of body b do on its modes, where static ones matter."""
+    ways = [*_joint_ways(model, q, b), *_spring_ways(model, b, omega2, static)]
+    kept = []
+    for angular in (False, True):
+        some = [way for way, is_angular in ways if is_angular == angular]
+        columns = np.array(some).reshape(len(some), len(omega2)).T
+        energy = columns**2 / omega2[:, None]
+        whole, part = energy.sum(axis=0), energy[static].sum(axis=0)
+        kept.append(columns[:, (whole > NOTHING * whole.max(initial=0.0)) & (part > SHARE * whole)])
+    return np.hstack(kept)
+
+
+def _joint_ways(model: Model, q: FloatArray, b: int) -> list[Way]:
+    """Shapes of body b at its joints in the ways in which these may push it."""
+    joints = model.joints
+    found = []
+    for ends, (first, last) in zip(joints.point.tolist(), pairwise(joints.row.tolist()), strict=True):
+        kinds = joints.kind[first:last].tolist()
+        for point in ends:
+            if model.points.body[point] == b:
+                guides = point == ends[1]
+                ways = _ways(model.points, point, kinds, guides)
+                forces = [k for k in range(first, last) if not ANGULAR[joints.kind[k]]]
+                turns = any(ANGULAR[kind] for kind in kinds)
+                if len(forces) == 1 and joints.kind[forces[0]] == ALONG and (guides or turns):
+                    turn = (
+                        0.0 if guides else _angle(model, q, ends[1]) - _angle(model, q, point)
+                    )  # which stays as it is
+                    ways = [(_along(ways, joints.axis[forces[0]], turn), False), *ways[2:]]
+                found += ways
+    return found
+
+
+def _along(ways: list[Way], axis: FloatArray, turn: float) -> FloatArray:
+    """The shape along an axis of the body of Q, from those along x and y of a body that stands ``turn`` behind it."""
+    cos, sin = math.cos(turn), math.sin(turn)
+    return np.asarray((cos * axis[0] - sin * axis[1]) * ways[0][0] + (sin * axis[0] + cos * axis[1]) * ways[1][0])
+
+
+def _angle(model: Model, q: FloatArray, p: int) -> float:
+    """Angle of the body of a point [rad]; 0 of the ground."""
+    b = int(model.points.body[p])
+    return float(q[model.bodies.dof[b] + 2]) if b >= 0 else 0.0
+
+
+def _spring_ways(model: Model, b: int, omega2: FloatArray, static: IntArray) -> list[Way]:
+    """The same of springs that are not soft against the static modes."""
+    loads = model.loads
+    found = []
+    for kind, ends, value in zip(
+        loads.spring_kind.tolist(), loads.spring_point.tolist(), loads.spring_value, strict=True
+    ):
+        for point in ends:
+            if model.points.body[point] == b:
+                for way, angular in _ways(model.points, point, [kind], point == ends[1]):
+                    if value[0] * float(np.sum(way[static] ** 2 / omega2[static])) > SOFT:
+                        found.append((way, angular))
+    return found
+
+
+def _ways(points: Points, p: int, kinds: list[int], guides: bool) -> list[Way]:
+    """Shapes at a point along x and y, if relative coordinates of such kinds push it, and turning, if one turns it.
+
+    ``guides``: it carries the line that a coordinate is measured along, so that what slides on it has a lever.
+    """
+    own = slice(points.start[p], points.start[p + 1])
+    forces = [(shape, False) for shape in points.phi[own].T] if any(not ANGULAR[kind] for kind in kinds) else []
+    turns = any(ANGULAR[kind] for kind in kinds) or (guides and ALONG in kinds)
+    return [*forces, (points.psi[own], True)] if turns else forces
+
+
+def held_count(model: Model, q: FloatArray, b: int, static: IntArray) -> int:
+    """How many combinations of the ``static`` modes of body b joints and springs hold, bodies standing at q."""
+    own = slice(int(model.bodies.dof[b]) - N_RIGID * b, int(model.bodies.dof[b + 1]) - N_RIGID * (b + 1))
+    omega2 = model.bodies.stiffness[own]
+    return _span(omega2[static], _held(model, q, b, omega2, static)[static])[1]
+
+
+def _span(omega2: FloatArray, held: FloatArray) -> tuple[FloatArray, int]:
+    """Orthonormal directions (k, k) of the static modes, in the metric of their stiffness; the first are what is held.
+
+    held (k, loads); and how many these are.
+    """
+    if not held.size:
+        return np.eye(len(omega2)), 0
+    energy = held / np.sqrt(omega2)[:, None]
+    span, size, _ = np.linalg.svd(energy / np.linalg.norm(energy, axis=0))
+    return span, int(np.sum(size > DEPENDENT * size[0]))
+
+
+def _parts(omega2: FloatArray, held: FloatArray) -> tuple[int, FloatArray, FloatArray] | None:
+    """How many modes are held, [X_d, X_s] by the static modes, and their omega^2; None where none is held."""
+    span, count = _span(omega2, held)
+    if not count:
+        return None
+    soft = 1.0 / np.sqrt(omega2)
+    columns, squares = [], []
+    for part in (span[:, :count], span[:, count:]):
+        if part.shape[1]:  # displacements of unit energy: where their mass is diagonal, too, it is 1/omega^2
+            shapes, period, _ = np.linalg.svd(soft[:, None] * part, full_matrices=False)
+            columns.append(shapes)
+            squares.append(period**-2.0)
+    return count, np.hstack(columns), np.concatenate(squares)
+
+
+def _turned(model: Model, stiffness: FloatArray, turn: list[FloatArray | None]) -> Model:
+    """The model in the coordinates q' of q = T q'."""
+    if all(T is None for T in turn):
+        return model
+    bodies, points, contacts = model.bodies, model.points, model.contacts
+    flat = {name: getattr(bodies, name).copy() for name in ("S", "a", "c", "damping", *SQUARE)}
+    phi, psi, deflection = points.phi.copy(), points.psi.copy(), contacts.surface_deflection.copy()
+    for b, T in enumerate(turn):
+        if T is None:
+            continue
+        own = slice(int(bodies.dof[b]) - N_RIGID * b, int(bodies.dof[b + 1]) - N_RIGID * (b + 1))
+        for name in ("S", "a", "c"):
+            flat[name][own] = T.T @ flat[name][own]
+        _turn_squares(bodies, b, T, own, flat)
+        for p in np.flatnonzero(points.body == b):
+            span = slice(points.start[p], points.start[p + 1])
+            phi[span], psi[span] = T.T @ phi[span], T.T @ psi[span]
+        for s in np.flatnonzero(contacts.surface_body == b):
+            deflection[s, : len(T)] = deflection[s, : len(T)] @ np.abs(T)
+    return pack(
+        changed(
+            Model,
+            model,
+            bodies=changed(Bodies, bodies, stiffness=stiffness, **flat),
+            points=changed(Points, points, phi=phi, psi=psi),
+            contacts=changed(Contacts, contacts, surface_deflection=deflection),
+        )
+    )
+
+
+SQUARE = ("coupling", "cross_damping", "geometric")  # flat n x n matrices
+
+
+def _turn_squares(bodies: Bodies, b: int, T: FloatArray, own: slice, flat: dict[str, FloatArray]) -> None:
+    """T^T A T of each square matrix of body b, and of its damping, of which the diagonal stays where it had no more."""
+    damping = np.diag(bodies.damping[own])
+    for name in SQUARE:
+        start, end = getattr(bodies, f"{name}_start")[b : b + 2].tolist()
+        if end == start:
+            continue
+        matrix = flat[name][start:end].reshape(T.shape)
+        if name == "cross_damping":
+            damping = damping + matrix
+            matrix = damping
+        turned = T.T @ matrix @ T
+        turned = 0.5 * (turned - turned.T) if name == "coupling" else 0.5 * (turned + turned.T)  # but for rounding
+        flat[name][start:end] = (turned - np.diag(np.diag(turned)) if name == "cross_damping" else turned).ravel()
+    flat["damping"][own] = np.einsum("ki,kl,li->i", T, damping, T)

@@ -1,0 +1,194 @@
+"""Held bodies under the massless boundary: what is parted, what is stored, and the exact limit of the step."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+import lcpflex as lf
+from lcpflex.dynamics.held_modes import part_modes
+from lcpflex.dynamics.mass_matrix import null_space
+from lcpflex.model.planar import N_RIGID
+
+STRIP = lf.Beam(0.5, 0.02, 0.004, 7850.0, 2.1e11)
+LAW = lf.laws.PowerLaw(1e6, 1.0)
+
+
+def welded(modes: int = 6, gravity: float = 9.81) -> lf.Scene:
+    scene = lf.Scene(gravity=(0.0, -gravity))
+    body = scene.add(STRIP, name="strip", modes=modes, damping=0.01)
+    scene.join(lf.Weld(body.point("left"), scene.ground.at(0.0, 0.0)))
+    scene.contact(body.surface("bottom"), scene.ground.circle((0.45, -0.0225), 0.02), name="stop")
+    return scene
+
+
+@pytest.mark.parametrize("hinged", [False, True])
+def test_both_parts_have_the_compliance_of_all(hinged: bool) -> None:
+    """Whatever may act: at joints it is all in modes with mass, and static modes do not move there."""
+    scene = lf.Scene()
+    body = scene.add(STRIP, name="strip", modes=5)
+    left = body.point("left")
+    scene.join((lf.Revolute if hinged else lf.Weld)(left, scene.ground.at(0.0, 0.0)))
+    scene.load(lf.Spring(body.point("right"), scene.ground.at(0.5, 1.0), stiffness=1e9))
+    scene.contact(body.surface("bottom"), scene.ground.circle((0.3, -0.05), 0.02))
+    compiled = scene.compiled(gives_way=True)
+    given, system = compiled.model, compiled.system()
+    flexibility = np.zeros(len(system.q))
+    flexibility[N_RIGID + 5 :] = 1.0 / given.bodies.stiffness[5:]
+    parted = part_modes(system.model, flexibility, system.q)
+    model, static = parted.model, parted.flexibility[N_RIGID:] > 0.0
+    assert static.any()
+    assert not static[5:].all()
+    for p in np.flatnonzero(given.points.body == 0):
+        own = slice(given.points.start[p], given.points.start[p + 1])
+        before, after = (
+            np.column_stack([m.points.phi[own], m.points.psi[own]]) for m in (given, model)
+        )  # fmt: skip
+        whole = before.T @ (before / given.bodies.stiffness[:, None])
+        scale = np.sqrt(np.outer(np.diag(whole), np.diag(whole))) + 1e-30
+        assert (np.abs(after.T @ (after / model.bodies.stiffness[:, None]) - whole) < 1e-9 * scale).all()
+    held = [(left.material.place, 2 if hinged else 3), (body.point("right").material.place, 2)]
+    for place, ways in held:
+        p = next(k for k in range(len(given.points.body)) if np.array_equal(given.points.place[k], place))
+        own = slice(model.points.start[p], model.points.start[p + 1])
+        ways_of = np.column_stack([model.points.phi[own], model.points.psi[own]])[:, :ways]
+        assert np.abs(ways_of[static]).max() < 1e-9 * np.abs(ways_of).max()
+    q = np.linspace(-1.0, 1.0, len(system.q))
+    np.testing.assert_allclose(parted.former(parted.coordinates(q)), q, rtol=0, atol=1e-9)
+
+
+def test_bodies_that_nothing_holds_keep_their_modes() -> None:
+    scene = lf.Scene()
+    body = scene.add(STRIP, name="strip", modes=5)
+    scene.contact(body.surface("top"), scene.ground.circle((0.3, 1.0), 0.02))
+    scene.load(lf.Spring(body.point("right"), scene.ground.at(0.5, 1.0), stiffness=1e-3))  # soft against any mode
+    system = scene.compiled(gives_way=True).system()
+    flexibility = np.where(np.arange(len(system.q)) >= N_RIGID + 5, 1e-9, 0.0)
+    parted = part_modes(system.model, flexibility, system.q)
+    assert parted.model is system.model
+    assert parted.turn == (None,)
+
+
+def test_states_are_stored_in_the_coordinates_of_the_body() -> None:
+    """Energies of the stored states, by the equations of the scene, are those that the run has booked."""
+    scene = welded()
+    result = lf.simulate(scene, 0.03, lf.MasslessBoundary(), record=1e-4)
+    touching = result.force[:, 0, 0] > 0.0
+    assert touching.any()
+    assert not touching.all()
+    compiled = scene.compiled(gives_way=True)
+    for k in range(0, len(result.times), 7):
+        at = compiled.at(result.q[k], result.u[k], margin=0.0)
+        assert 0.5 * at.q @ at.stiffness @ at.q == pytest.approx(result.energies.elastic[k], rel=1e-9, abs=1e-12)
+        assert 0.5 * at.u @ at.M @ at.u == pytest.approx(result.energies.kinetic[k], rel=1e-6, abs=1e-9)
+    assert result.joint_drift.max() < 1e-12
+
+
+def test_a_run_goes_on_from_its_own_end() -> None:
+    def run(duration: float, after: lf.Result | None = None) -> lf.Result:
+        scene = lf.Scene()
+        body = lf.Beam(0.5, 0.02, 0.004, 7850.0, 2.1e11).reduce(12)
+        given = {}
+        if after is not None:
+            q, u = after.q[-1], after.u[-1]
+            given = {
+                "position": q[:2], "angle": q[2], "modal": q[3:],
+                "velocity": u[:2], "angular_velocity": u[2], "modal_velocity": u[3:],
+            }  # fmt: skip
+        strip = scene.add(body, name="strip", **given)
+        scene.join(lf.Revolute(strip.point("left"), scene.ground.at(0.0, 0.0)))
+        scene.contact(strip.surface("bottom"), scene.ground.circle((0.45, -0.5), 0.02))
+        return lf.simulate(scene, duration, lf.MasslessBoundary(step=1e-6), record=1e-3, project=True)
+
+    whole, half = run(0.02), run(0.01)
+    rest = run(0.01, half)
+    np.testing.assert_allclose(rest.q[-1], whole.q[-1], rtol=0, atol=1e-9)
+    assert not rest.warnings or not any("static here" in text for text in rest.warnings)
+
+
+def test_functions_of_the_state_see_the_body_as_it_is() -> None:
+    scene = welded()
+    tip = scene.body("strip").point("right")
+    seen: dict[float, list[np.ndarray]] = {}
+
+    def push(t: float, state: lf.State) -> tuple[float, float]:
+        seen.setdefault(round(t, 12), []).append(state.position(tip))
+        return 0.0, -1.0
+
+    scene.load(lf.Force(tip, push))
+    result = lf.simulate(scene, 2e-3, lf.MasslessBoundary(step=2e-6), record=1e-5)
+    for t, place in zip(result.times[1:], result.point("strip", "right")[1:], strict=True):
+        assert min(np.abs(given - place).max() for given in seen[round(float(t), 12)]) < 1e-12
+
+
+def test_work_on_static_modes_is_booked() -> None:
+    """A force that swings where the residual mode of a contact is, and the contact closes and opens."""
+    scene = welded(gravity=0.0)
+    scene.load(lf.Force(scene.body("strip").point("right"), (0.0, lf.Harmonic(4.0, 300.0))))
+    result = lf.simulate(scene, 0.05, lf.MasslessBoundary(safety=0.1), record=1e-4)
+    assert result.impulse[-1, 0, 0] > 0.0
+    assert result.energies.relative_remainder < 2e-3
+
+
+def exact_limit(scene: lf.Scene) -> float:
+    """2/omega of the system with its joints held and no contact closed."""
+    at = scene.compiled(gives_way=True).at(margin=0.0)
+    Z = null_space(at.J)
+    omega2 = np.linalg.eigvals(np.linalg.solve(Z.T @ at.M @ Z, Z.T @ at.stiffness @ Z)).real.max()
+    return 2.0 / math.sqrt(omega2)
+
+
+def moving(kind: str) -> lf.Scene:
+    """All modes have mass: the contact gives way by itself."""
+    scene = lf.Scene()
+    body = scene.add(STRIP, name="strip", modes=6, angle=0.4 if kind == "slides" else 0.0)
+    scene.contact(body.surface("bottom"), scene.ground.circle((0.3, -5.0), 0.02), name="stop")
+    if kind == "welded":
+        scene.join(lf.Weld(body.point("left"), scene.ground.at(0.0, 0.0)))
+    elif kind == "slides":
+        scene.join(lf.PointOnLine(body.point("left"), scene.ground.at(0.0, 0.0), (1.0, 0.0)))
+    else:
+        scene.join(lf.Revolute(body.point("left"), scene.ground.at(0.0, 0.0)))
+        second = scene.add(STRIP, name="second", modes=4, position=(0.5, 0.0))
+        scene.join(lf.Revolute(second.point("left"), body.point("right")))
+        if kind == "redundant":
+            scene.join(lf.PointOnLine(second.point("left"), body.point("right"), (1.0, 0.0)))
+    return scene
+
+
+@pytest.mark.parametrize("kind", ["welded", "slides", "chain", "redundant"])
+def test_joints_are_in_the_limit_of_the_step(kind: str) -> None:
+    """Modes that joints stop are several times as fast by themselves; found exactly, and stable up to it."""
+    scene = moving(kind)
+    limit = exact_limit(scene)
+    alone = 2.0 / math.sqrt(scene.compiled(gives_way=True).model.bodies.stiffness.max())
+    assert limit > (1.0 if kind == "slides" else 1.2) * alone
+
+    def run(step: float) -> lf.Result:
+        stepper = lf.MasslessBoundary(step, substeps=False, safety=1.0, compliance={"stop": LAW})
+        return lf.simulate(scene, 100.0 * step, stepper)
+
+    result = run(0.998 * limit)
+    assert result.energies.relative_remainder < 0.2
+    with pytest.raises(lf.StepError, match="admits") as caught:
+        run(1.002 * limit)
+    found = re.search(r"admits ([\d.e-]+) s", str(caught.value))
+    assert found is not None
+    assert float(found[1]) == pytest.approx(limit, rel=1e-4)
+
+
+def test_what_a_joint_holds_is_rigid_to_a_contact_there() -> None:
+    """Above the weld, nothing gives way: an open contact is no trouble, one that closes is told."""
+    scene = lf.Scene()
+    body = scene.add(STRIP, name="strip", modes=6)
+    scene.join(lf.Weld(body.point("left"), scene.ground.at(0.0, 0.0)))
+    ball = scene.add(lf.Disc(0.01, mass=0.1), name="ball", position=(0.0, 0.0121))
+    scene.contact(body.surface("top"), ball.circle((0.0, 0.0), 0.01), name="beside the weld")
+    scene.contact(body.surface("bottom"), scene.ground.circle((0.0, -0.022 - 1e-6), 0.02), friction=0.3, name="below")
+    with pytest.raises(lf.StepError, match="'beside the weld' closes in a direction in which neither") as caught:
+        lf.simulate(scene, 0.1, lf.MasslessBoundary())
+    assert caught.value.time == pytest.approx(math.sqrt(2e-4 / 9.81), rel=0.01)
+    assert caught.value.result.impulse[-1, 1, 0] == 0.0
