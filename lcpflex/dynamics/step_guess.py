@@ -23,9 +23,7 @@ from lcpflex.model.planar import N_RIGID
 __all__ = ["Mobility", "contact_stiffness", "highest_square", "spring_rates"]
 
 LARGE = 1500  # coordinates from where on joints are not looked at for a guess: an eigenproblem takes seconds
-MEANT = (
-    0.1  # of the largest compliance of a held surface: less is between the nodes that its static modes were made for
-)
+MEANT = 0.01  # of the largest compliance of a held surface: less is where no static mode was made for contacts
 
 
 class Mobility:
