@@ -118,7 +118,8 @@ def test_a_welded_strip_takes_a_tenth_of_the_steps() -> None:
 
 
 def three_supports(modes: int) -> lf.Scene:
-    scene = simply_supported(modes)
+    """Its lowest modes are too high for three free ones, whatever has mass."""
+    scene = simply_supported(modes + 5)
     guide(scene, scene.body("strip"), 0.23)
     return scene
 
@@ -228,24 +229,23 @@ def of_matrices(modes: int) -> lf.Scene:
     return scene
 
 
-MESHED = [of_a_mesh, by_craig_bampton, by_regions, by_residual_compliance, of_matrices]
-HELD = [
-    free_modes_alone, three_supports, slides, driven_angle, driven_end, on_a_spring, pushed_at_its_end, twisted,
-    carries_a_box, carries_a_strip, *MESHED,
-]  # fmt: skip
+HELD = {
+    free_modes_alone: "right", three_supports: "center", slides: "right", driven_angle: "right", driven_end: "center",
+    on_a_spring: "right", pushed_at_its_end: "right", twisted: "right", carries_a_box: "right",
+    carries_a_strip: "right", of_a_mesh: "tip", by_craig_bampton: "tip", by_regions: "tip",
+    by_residual_compliance: "tip", of_matrices: "patch",
+}  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "modes", [3, pytest.param(8, marks=pytest.mark.slow), pytest.param(24, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("modes", [3, *(pytest.param(n, marks=pytest.mark.slow) for n in (8, 24))])
 @pytest.mark.parametrize("build", HELD)
 def test_what_holds_a_body_finds_all_of_its_compliance(build: Callable[[int], lf.Scene], modes: int) -> None:
+    """The motion of a place that nothing holds is that under a scheme for which all modes have mass."""
     duration = 0.02
     motions = []
     for stepper in (lf.MasslessBoundary(), lf.MoreauJean(step=2e-6)):
-        scene = build(modes)
-        result = lf.simulate(scene, duration, stepper, record=duration / 100.0)
+        result = lf.simulate(build(modes), duration, stepper, record=duration / 100.0)
         assert result.energies.relative_remainder < 1e-3
-        moved = result.point("strip", "tip" if build in MESHED[:-1] else "patch" if build in MESHED else "right")
-        motions.append(np.array([np.interp(np.linspace(0.0, duration, 99), result.times, part) for part in moved.T]))
+        moved = result.point("strip", HELD[build]).T
+        motions.append(np.array([np.interp(np.linspace(0.0, duration, 99), result.times, part) for part in moved]))
     assert np.abs(motions[0] - motions[1]).max() < WITHIN * np.ptp(motions[1], axis=1).max()
