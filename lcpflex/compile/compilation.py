@@ -109,8 +109,9 @@ def compiled_parts(
         callback.fill(0.0, assembly.state, external)
     refuse_overbent(model, q, layout.bodies)
     size = scene_size(model, circles, q)
+    misfits: tuple[str, ...] = ()
     if joints:
-        q, u = consistent_start(model, joints, q, u, external, size, project)
+        q, u, misfits = consistent_start(model, joints, q, u, external, size, project)
     notes: tuple[str, ...] = ()
     if declared or rule:
         hard = {name for name, contact in declared.items() if contact.law is None and not (indents and indents(name))}
@@ -129,7 +130,7 @@ def compiled_parts(
         laws,
         assembly.signals.functions,
         materials,
-        (*left_out.warnings, *missing_compliance(parts, touched)),
+        (*misfits, *left_out.warnings, *missing_compliance(parts, touched)),
         (*left_out.notes, *notes),
         recovery=tuple(body.recovery for body in parts.bodies),
         sensors=tuple(compiled_sensor(name, sensor) for name, sensor in sensors.items()),

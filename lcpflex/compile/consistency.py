@@ -100,8 +100,8 @@ def consistent_start(
     external: FloatArray,
     size: float,
     project: bool,
-) -> tuple[FloatArray, FloatArray]:
-    """A start that fulfils the joints: the given one, or its projection.
+) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
+    """A start that fulfils the joints: the given one, or its projection; and warnings, which are given, too.
 
     Mechanisms of space are redundant as a rule, and never fit exactly: of their projection the least misfit is left.
     """
@@ -115,30 +115,30 @@ def consistent_start(
     found = start.violation(model, q, u, external)
     misfit = project and is_spatial(model) and _is_misfit(model, q, found, scale)
     worst = _refuse_violation(found, model, joints, units, scale, project, MISFIT if misfit else JOINT_TOLERANCE)
+    texts = []
     if misfit:
-        warnings.warn(
+        texts.append(
             f"redundant joints contradict each other, most at {worst}: this is the least that there can be, and the "
-            "mechanism moves with it; expected joints that fit, or none that are redundant",
-            ModelWarning,
-            stacklevel=3,
+            "mechanism moves with it; expected joints that fit, or none that are redundant"
         )
     if is_spatial(model) and len(joints) > len(model.bodies.mass):  # not in trees
-        _warn_of_lock(model, q, found)
-    return q, u
+        texts += _locked(model, q, found)
+    for text in texts:
+        warnings.warn(text, ModelWarning, stacklevel=3)
+    return q, u, tuple(texts)
 
 
-def _warn_of_lock(model: Any, q: FloatArray, found: start.Violation) -> None:
-    """Warn where joints leave no motion, but would if they fitted a little better."""
+def _locked(model: Any, q: FloatArray, found: start.Violation) -> list[str]:
+    """What to say where joints leave no motion, but would if they fitted a little better."""
     from lcpflex.dynamics.spatial.start import locking_error
 
     error = locking_error(model, mass_matrix(model, q), found.jacobian)
-    if error > 0.0:
-        warnings.warn(
-            "the joints leave the bodies no motion, but would if places and axes did not differ by some "
-            f"{error:.1g} of their arms or rad: expected joints that fit to 1e-5, if this is to be a mechanism",
-            ModelWarning,
-            stacklevel=4,
-        )
+    if not error > 0.0:
+        return []
+    return [
+        "the joints leave the bodies no motion, but would if places and axes did not differ by some "
+        f"{error:.1g} of their arms or rad: expected joints that fit to 1e-5, if this is to be a mechanism"
+    ]
 
 
 def _is_misfit(model: Any, q: FloatArray, found: start.Violation, scale: FloatArray) -> bool:

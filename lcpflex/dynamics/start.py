@@ -24,7 +24,7 @@ INDEPENDENT = 1e-12  # singular values of J M^-1 J^T below this part of the larg
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """Joint constraints of a state at t = 0, r rows."""
+    """Joint constraints of a state, r rows."""
 
     position: FloatArray  # (r,) phi [m] or [rad]
     velocity: FloatArray  # (r,) phidot = J u + dphi/dt [m/s] or [rad/s]
@@ -42,8 +42,8 @@ class Violation:
         return J[:, :-1].copy()
 
 
-def violation(model: Model, q: FloatArray, u: FloatArray, external: FloatArray) -> Violation:
-    """phi, phidot and J of all joints at t = 0; ``external`` (slots, 3) holds what callbacks supply then."""
+def violation(model: Model, q: FloatArray, u: FloatArray, external: FloatArray, time: float = 0.0) -> Violation:
+    """phi, phidot and J of all joints at a ``time``; ``external`` (slots, 3) holds what callbacks supply then."""
     model = pack(model)
     count = int(model.joints.row[-1])
     dof = model.bodies.dof
@@ -52,8 +52,8 @@ def violation(model: Model, q: FloatArray, u: FloatArray, external: FloatArray) 
     row_body = np.zeros((count, 2), dtype=np.int64)
     wrench = np.zeros((count, dimension(model.bodies).rigid))
     phi, rate, bias = np.zeros(count), np.zeros(count), np.zeros(count)
-    joint_residual(model, 0.0, q, external, phi)
-    joint_rows(model, 0.0, q, u, external, rows, row_body, wrench, rate, bias)
+    joint_residual(model, time, q, external, phi)
+    joint_rows(model, time, q, u, external, rows, row_body, wrench, rate, bias)
     columns = dof[np.maximum(row_body, 0)][:, :, None] + np.arange(width)
     columns[(columns >= dof[np.maximum(row_body, 0) + 1][:, :, None]) | (row_body < 0)[:, :, None]] = len(u)
     moved = rows * np.append(u, 0.0)[columns]

@@ -222,9 +222,12 @@ def carry_out(
     if problem_log is not None:
         result = _save_problems(problem_log, result)
     if message:
+        from lcpflex.checks.blocked_drives import blocked_drives  # which runs that end well do without
+
         touching = tuple(setup.contact_name(k) for k in run.touching)
         raise StepError(
-            f"at t = {run.time:.9g} s, after {run.steps} steps, {_closed(touching)}: {message}{wound_spring(result)}",
+            f"at t = {run.time:.9g} s, after {run.steps} steps, {_closed(touching)}: {message}{wound_spring(result)}"
+            f"{blocked_drives(result, run.touching)}",
             time=run.time,
             step=run.steps,
             contacts=touching,

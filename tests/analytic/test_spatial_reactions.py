@@ -153,6 +153,7 @@ def test_assembled_with_errors(make: Callable[..., Mechanism], stepper: Any) -> 
     for error in (1e-8, 1e-6):
         with pytest.warns(lf.ModelWarning, match="redundant joints contradict each other, most at joint"):
             off = lf.simulate(scene_of(make(error))[0], duration, stepper, record=0.01, project=True)
+        assert any(text.startswith("redundant joints contradict each other") for text in off.warnings)
         assert np.abs(off.q[-1] - exact.q[-1]).max() < 50.0 * error
         assert off.joint_drift.max() < 10.0 * error
         assert np.ptp(off.energies.kinetic + off.energies.potential) < 1e-3
@@ -186,3 +187,4 @@ def test_locked_by_its_assembly() -> None:
             result = lf.simulate(scene, 0.01, lf.MoreauJean(step=1e-3))
         assert (result.energies.kinetic.max() > 1e-3) == (make is four_bar and not locked)
         assert any("leave the bodies no motion" in str(one.message) for one in told) == locked
+        assert any("leave the bodies no motion" in text for text in result.warnings) == locked

@@ -80,8 +80,9 @@ def compiled_spatial_scene(
     for callback in callbacks:  # a trial: what is wrong with a function is said before time is spent
         callback.fill(0.0, assembly.state, external)
     size = spatial_size(parts, model, q)
+    misfits: tuple[str, ...] = ()
     if parts.joints:
-        q, u = consistent_start(model, parts.joints, q, u, external, size, project)
+        q, u, misfits = consistent_start(model, parts.joints, q, u, external, size, project)
     notes: tuple[str, ...] = ()
     if declared or rule:
         hard = {name for name, one in declared.items() if one.law is None and not (indents and indents(name))}
@@ -96,7 +97,7 @@ def compiled_spatial_scene(
         callbacks,
         tuple(contact.law for contact in declared.values()),
         assembly.signals.functions,
-        warnings=left_out.warnings,
+        warnings=(*misfits, *left_out.warnings),
         notes=(*left_out.notes, *notes),
         recovery=tuple(body.recovery for body in parts.bodies),
         sensors=tuple(compiled_spatial_sensor(name, one, bodies, layout) for name, one in parts.sensors.items()),
