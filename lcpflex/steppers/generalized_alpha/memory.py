@@ -9,6 +9,7 @@ from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import allocate, array, copy_parts, struct
 from lcpflex.model.layout import is_spatial
 from lcpflex.steppers.event_driven.memory import copy_entry
+from lcpflex.steppers.strike_order import StrikeOrder, strike_order
 from lcpflex.steppers.system import System
 
 __all__ = ["AlphaScheme", "EndForces", "Held", "alpha_scheme", "hold", "larger", "match"]
@@ -90,6 +91,7 @@ class AlphaScheme:
     start: EndForces
     end: EndForces
     mixing: Mixing
+    order: StrikeOrder
     change: float  # last one of an acceleration
     numerical: float  # energy lost to numerical damping in this step [J]
     lifted: float  # deepest penetration that a position problem has taken out [m]
@@ -118,6 +120,7 @@ def alpha_scheme(system: System, capacity: int, **numbers: float) -> AlphaScheme
         start=allocate(EndForces, sizes),
         end=allocate(EndForces, sizes),
         mixing=allocate(Mixing, sizes),
+        order=strike_order(system, capacity),
         sets=contact_sets(capacity, capacity if in_space else 0, in_space),
         resting=allocate(Held, sizes, table=system.held(capacity)),
         pressed=allocate(Held, sizes, table=system.held(capacity)),

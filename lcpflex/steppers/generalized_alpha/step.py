@@ -9,13 +9,10 @@ from __future__ import annotations
 import math
 
 from lcpflex.dynamics.acceleration import STICKING
-from lcpflex.dynamics.contact_problem import lay_contacts
-from lcpflex.dynamics.delassus import apply_impulses, free_velocities, row_velocity
+from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.impulse import add_impulses, answer_joints, recall_joints
 from lcpflex.dynamics.islands import Islands, forget_islands, unfinished
 from lcpflex.dynamics.joint_reactions import lay_reactions, note_ends, note_impulses
-from lcpflex.dynamics.large_island import prepare_large
-from lcpflex.dynamics.mechanics import multiply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.leaf import in_space
@@ -28,7 +25,6 @@ from lcpflex.steppers.generalized_alpha.memory import (
     SMOOTH,
     VELOCITY,
     AlphaScheme,
-    match,
 )
 from lcpflex.steppers.generalized_alpha.position import (
     apply_position,
@@ -36,92 +32,19 @@ from lcpflex.steppers.generalized_alpha.position import (
 )
 from lcpflex.steppers.generalized_alpha.smooth import (
     apply_smooth,
-    assemble_rows,
     pose_smooth,
     slip_mode,
 )
+from lcpflex.steppers.generalized_alpha.velocity import pose_velocity, resting_load
 from lcpflex.steppers.island_problems import solve_islands
 from lcpflex.steppers.moreau_jean.step import record_impulses
 from lcpflex.steppers.passing import set_out_freely
 from lcpflex.steppers.recorder import Recorder, add_impulse, note_gain
 from lcpflex.steppers.scheme import record, set_length, take_step
 from lcpflex.steppers.status import RunStatus
+from lcpflex.steppers.strike_order import add_strikes, apply_strike, end_order
 
 __all__: list[str] = []
-
-
-@kernel
-def numerical_damping(model: Model, work: Workspace, scheme: AlphaScheme) -> float:
-    """Energy that the smooth motion has lost by not being that of the trapezoidal rule, which conserves it [J].
-
-    dv M (u + v~)/2 - dq (f + f~)/2 with dv = v~ - u - h (w + w~)/2 and dq = q~ - q - h (u + v~)/2.
-    """
-    h, u = scheme.step, scheme.u
-    for i in range(len(u)):
-        scheme.mean[i] = 0.5 * (u[i] + scheme.v_new[i])
-    multiply(model, scheme.q_new, scheme.mean, work, scheme.momentum)
-    gained = 0.0
-    for i in range(len(u)):
-        a = scheme.a[i]
-        a_new = scheme.a_new[i]
-        dv = (1.0 - scheme.gamma) * a + scheme.gamma * a_new - 0.5 * (scheme.w[i] + scheme.w_new[i])
-        dq = (0.5 - scheme.beta) * a + scheme.beta * a_new - 0.5 * ((1.0 - scheme.gamma) * a + scheme.gamma * a_new)
-        force = 0.5 * (scheme.start.conservative[i] + scheme.end.conservative[i])
-        gained += h * (dv * scheme.momentum[i] - h * dq * force)
-    return -gained
-
-
-@kernel
-def pose_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme) -> None:
-    """Impact law and friction at the end of the step, for the whole impulses of the step.
-
-    ``work.free_u``: velocity without any contact impulse. A contact that came to the step at rest has no restitution:
-    its approach is that of a curved surface.
-    """
-    n, u = scheme.n_found, scheme.u
-    n_tangent = assemble_rows(model, t, 0.0, 0.0, n, work, scheme)
-    scheme.numerical = numerical_damping(model, work, scheme)
-    n_joint = work.n_joint
-    total = n_joint + n + n_tangent
-    h = scheme.step
-    for i in range(len(u)):
-        work.free_u[i] = scheme.v_new[i]
-    for r in range(n_joint + n, total):
-        work.p[r] = 0.0
-    match(work.table, n, scheme.resting, scheme.matched)
-    for k in range(n):
-        i = scheme.matched[k]
-        work.p[n_joint + k] = -h * scheme.resting.load[i, 0] if i >= 0 else 0.0
-        work.tangent_of[k] = -1
-    for j in range(n_tangent - 1, -1, -1):  # in space two of each contact, and the first is told
-        work.tangent_of[work.tangent[j]] = j
-    for j in range(n_tangent):
-        k = work.tangent[j]
-        if scheme.matched[k] >= 0:
-            work.p[n_joint + n + j] = -h * resting_load(work, scheme, k, n_joint + n + j)
-    apply_impulses(work.solved, work.row_body, n_joint, total, work.p, work.dof, work.free_u)
-    free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.terms)
-    for r in range(n_joint):
-        work.free[r] += work.rate[r]
-    for k in range(n):
-        e_n = model.contacts.restitution[work.table.law[k]]
-        if e_n > 0.0 and scheme.matched[k] < 0:
-            before = min(row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u), 0.0)
-            scheme.approach = max(scheme.approach, -before)
-            gained = abs(work.free[n_joint + k] - before)
-            if -before > scheme.rebound + scheme.settle * gained:
-                work.free[n_joint + k] += e_n * before
-            else:
-                scheme.stopped = max(scheme.stopped, -before)
-    for j in range(n_tangent):
-        k = work.tangent[j]
-        e_t = model.contacts.tangential_restitution[work.table.law[k]]
-        if e_t > 0.0 and scheme.matched[k] < 0:
-            r = n_joint + n + j
-            work.free[r] += e_t * row_velocity(work.rows, work.row_body, r, work.dof, u)
-    lay_contacts(work)
-    prepare_large(model, work)
-    scheme.warm = 1
 
 
 @kernel
@@ -148,16 +71,6 @@ def mean_power(start: FloatArray, end: FloatArray, u: FloatArray, v: FloatArray)
     for i in range(len(u)):
         done += (start[i] + end[i]) * (u[i] + v[i])
     return done
-
-
-@in_space("lcpflex.steppers.spatial.alpha")
-@kernel
-def resting_load(work: Workspace, scheme: AlphaScheme, k: int, r: int) -> float:
-    """Force of the smooth motion on row r, of contact k [N]; 0 where it did not rest."""
-    i = scheme.matched[k]
-    if i < 0:
-        return 0.0
-    return float(scheme.resting.load[i, 0 if r < work.n_joint + work.n_contacts else 1])
 
 
 @kernel
@@ -275,6 +188,7 @@ def apply_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme,
     recall_joints(work)
     n_joint = work.n_joint
     add_impulses(work, work.free_u)
+    add_strikes(work, scheme.order)
     finite = True
     for i in range(len(q)):
         finite = finite and math.isfinite(scheme.q_new[i])
@@ -299,6 +213,7 @@ def apply_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme,
     copy_parts(scheme.end, scheme.start)
     scheme.phase = RESTART if jumps else SMOOTH
     scheme.turn = 0
+    end_order(scheme.order)
     work.unsolved = 0  # of the next step
     return True
 
@@ -329,6 +244,8 @@ def correct(model: Model, t: float, work: Workspace, scheme: AlphaScheme, record
             note_ends(model, 0.0, recorder.reactions)
     elif scheme.phase == POSITION:
         apply_position(model, work, scheme, recorder)
+    elif scheme.order.goes_on == 1:
+        apply_strike(work, scheme.order)
     elif apply_velocity(model, t, work, scheme, recorder):
         return RunStatus.DONE
     else:
@@ -366,7 +283,7 @@ def alpha_step(
             clock.number = predict(model, t, work, scheme)
             if clock.number > len(work.table.key):
                 return RunStatus.GROW
-        last = scheme.phase == VELOCITY
+        last = scheme.phase == VELOCITY and scheme.order.goes_on == 0
         status = solve_problems(work, scheme, t, last, recorder)
         if status == RunStatus.SOLVER_FAILED and give_up_smooth(scheme, work.islands):
             continue

@@ -11,7 +11,8 @@ A step from (q, u) solves three problems, decoupled from each other:
    and at rest at the start of the step;
 2. position: q+ = q~ + dq with A dq = J^T nu_J + W nu, phi(q+) = 0, 0 <= g(q+) _|_ nu >= 0;
 3. velocity: M (u+ - v~) = J^T Lambda_J + W Lambda, J u+ = -dphi/dt, 0 <= gdot_N+ + e_N gdot_N(start) _|_
-   h lambda_N + Lambda_N >= 0 and Coulomb friction for h lambda + Lambda, on the pairs that are closed at q+.
+   h lambda_N + Lambda_N >= 0 and Coulomb friction for h lambda + Lambda, on the pairs that are closed at q+. Where
+   several have closed that share a body, one after the other (:mod:`lcpflex.steppers.strike_order`).
 
 Newton's matrix holds inertia, modes, joints and contacts, not springs, dampers and inertial forces; where that makes
 its passes slow, and nothing touches, they are combined (:mod:`lcpflex.steppers.generalized_alpha.mixing`).
@@ -43,13 +44,19 @@ from lcpflex.steppers.options import keep_budget, keep_solver
 from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import SUNK, given_or, scales_of
 from lcpflex.steppers.start import started
+from lcpflex.steppers.strike_order import order_remarks
 from lcpflex.steppers.system import System
 from lcpflex.steppers.time_stepping import Support, TimeStepping
 
 __all__ = ["GeneralizedAlpha"]
 
 
-def _unsettled(scheme: AlphaScheme, work: Workspace, steps: int | None) -> list[str]:
+def _remarks(scheme: AlphaScheme, work: Workspace, steps: int | None) -> list[str]:
+    """What a run is warned of."""
+    return [*_unsettled(scheme, steps), *order_remarks(scheme.order, steps)]
+
+
+def _unsettled(scheme: AlphaScheme, steps: int | None) -> list[str]:
     """Steps of one length in which Newton's method did not converge; error control shortens such steps."""
     if not scheme.unsettled or steps is None:
         return []
@@ -146,7 +153,7 @@ class GeneralizedAlpha:
             tolerance=self.solver_tolerance,
             sunk=SUNK * scales.length,
         )
-        support = Support(grown=partial(larger, system), warnings=_unsettled)
+        support = Support(grown=partial(larger, system), warnings=_remarks)
         stepping = TimeStepping(system, scheme, self.solver, support, self.on_unsolved, self.budget)
         if is_spatial(system.model):  # its steps end anywhere, also on a seam: it strikes what closes at their ends
             table: Any = stepping.work.table

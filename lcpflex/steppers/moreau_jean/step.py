@@ -64,10 +64,21 @@ from lcpflex.steppers.recorder import (
 )
 from lcpflex.steppers.scheme import NO_FACTOR, end_step, record, take_step
 from lcpflex.steppers.status import RunStatus
+from lcpflex.steppers.strike_order import (
+    StrikeOrder,
+    add_strikes,
+    apply_strike,
+    begin_order,
+    choose_strikes,
+    end_order,
+    needs_order,
+)
 
 __all__ = ["MoreauJeanScheme", "record_impulses"]
 
 SLOWER = 10.0  # solver tolerances, times the velocities that cancel in it: such an approach is what solvers leave
+IMPACT = 2.0  # times what forces change in a step: a faster approach is that of an impact
+STILL = 1e-8  # of the fastest approach in a step: slower than that nothing approaches
 STICKING_SPEED = 1e-9  # [m/s] of a touching point on its cone: up to that it counts as sticking in the record
 
 
@@ -86,6 +97,7 @@ class MoreauJeanScheme:
     unsettled: int  # steps in which they did not suffice
     q: FloatArray
     u: FloatArray
+    order: StrikeOrder
 
 
 @in_space("lcpflex.steppers.spatial.closed")
@@ -132,7 +144,54 @@ def predict(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace) -
     pose(model, work, u, (1.0 - scheme.theta) * h, scheme.velocity_threshold)
     if not turn_on(model, scheme.gyroscopic, h, u, work):
         scheme.unsettled += 1
+    if n > 1:
+        follow_order(model, scheme, work)
     return n
+
+
+@kernel
+def find_closing(model: Model, scheme: MoreauJeanScheme, work: Workspace) -> float:
+    """Which contacts close by an impact in this step, and how far apart they were before; the fastest approach."""
+    order, table, restitution = scheme.order, work.table, model.contacts.restitution
+    order.goes_on = 0
+    rebounds = False
+    for k in range(work.n_contacts):
+        rebounds = rebounds or restitution[table.law[k]] > 0.0
+    if not rebounds:
+        return 0.0
+    fastest = 0.0
+    for k in range(work.n_contacts):
+        r = work.n_joint + k
+        before = row_velocity(work.rows, work.row_body, r, work.dof, scheme.u)
+        free = work.free[r] - (restitution[table.law[k]] * before if abs(before) > scheme.velocity_threshold else 0.0)
+        order.closes[k] = 1 if -before > IMPACT * abs(free - before) else 0
+        fastest = max(fastest, -before)
+    if not needs_order(restitution, table.law, work.n_contacts, order.closes):
+        return 0.0
+    for k in range(work.n_contacts):
+        if order.closes[k] == 1:
+            refresh(model, scheme.q, table, k)
+            order.gap[k] = table.gap[k]
+            refresh(model, work.middle, table, k)
+    order.goes_on = 1
+    return fastest
+
+
+@kernel
+def follow_order(model: Model, scheme: MoreauJeanScheme, work: Workspace) -> None:
+    """Leave those contacts in the problem posed that are struck next; after strikes, pose it at their velocities."""
+    order = scheme.order
+    if order.rounds == 0:
+        order.slow = STILL * find_closing(model, scheme, work)
+        if order.goes_on == 0:
+            return
+        begin_order(scheme.u, work.free_u, order)
+    else:
+        for i in range(len(order.after)):
+            work.free_u[i] = order.after[i]
+        pose(model, work, order.before, (1.0 - scheme.theta) * scheme.step, scheme.velocity_threshold)
+    slow = max(order.slow, scheme.velocity_threshold)
+    choose_strikes(work, order, model.contacts.restitution, scheme.gap_tolerance, slow)
 
 
 @in_space("lcpflex.dynamics.spatial.gyroscopic")
@@ -248,11 +307,13 @@ def closes_with_impact(model: Model, scheme: MoreauJeanScheme, work: Workspace, 
     r = work.n_joint + k
     if not work.p[r] > 0.0:
         return False
+    if scheme.order.rounds > 0 and scheme.order.closes[k] == 1:
+        return True
     before = row_velocity(work.rows, work.row_body, r, work.dof, scheme.u)
     free = work.effect[k]
     if abs(before) > scheme.velocity_threshold:
         free -= model.contacts.restitution[work.table.law[k]] * before
-    if not -before > 2.0 * abs(free - before) + SLOWER * scheme.tolerance * work.terms[k]:
+    if not -before > IMPACT * abs(free - before) + SLOWER * scheme.tolerance * work.terms[k]:
         return False
     return bool(entry_of(work.held_key[0], work.n_held, work.table.key[k], 0) < 0)
 
@@ -265,10 +326,12 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, r
     answer_joints(work)
     recall_joints(work)
     add_impulses(work, work.free_u)
+    add_strikes(work, scheme.order)
     for i in range(len(u)):
         if not math.isfinite(work.free_u[i]):
             return False
     audit(model, scheme, t, work, recorder)
+    end_order(scheme.order)
     compare_friction(work.free_u, h, work)
     largest = 0.0
     for i in range(len(u)):
@@ -339,16 +402,20 @@ def moreau_jean_step(
     model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, recorder: Recorder, clock: StepCount | StepClock
 ) -> int:
     """Predict, detect and pose, solve, correct; from the problem on that was not solved, if one was not."""
-    if not unfinished(work.islands):
-        set_out(scheme.q, recorder)
-        clock.number = predict(model, scheme, t, work)
-        if clock.number > len(work.table.key):
-            return RunStatus.GROW
-    warm = last = True
-    status = solve_islands(work, t, scheme.tolerance, warm, last, recorder)
-    if status != RunStatus.DONE:
-        clock.number = work.number
-        return status
+    while True:
+        if not unfinished(work.islands):
+            set_out(scheme.q, recorder)
+            clock.number = predict(model, scheme, t, work)
+            if clock.number > len(work.table.key):
+                return RunStatus.GROW
+        warm = last = scheme.order.goes_on == 0
+        status = solve_islands(work, t, scheme.tolerance, warm, last, recorder)
+        if status != RunStatus.DONE:
+            clock.number = work.number
+            return status
+        if last:
+            break
+        apply_strike(work, scheme.order)
     work.unsolved = 0  # of the next step
     if not correct(model, scheme, t, work, recorder):
         return RunStatus.NOT_FINITE

@@ -14,11 +14,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import partial
 from typing import ClassVar
 
 from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.struct import copy_parts, with_parts
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
@@ -30,8 +32,9 @@ from lcpflex.steppers.options import keep_budget, keep_solver
 from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import scales_of
 from lcpflex.steppers.start import started
+from lcpflex.steppers.strike_order import order_remarks, strike_order
 from lcpflex.steppers.system import System
-from lcpflex.steppers.time_stepping import Support, TimeStepping
+from lcpflex.steppers.time_stepping import FIRST_ROOM, Support, TimeStepping
 from lcpflex.steppers.user_functions import watch_pair_laws
 
 __all__ = ["MoreauJean"]
@@ -44,7 +47,14 @@ PASSES = {CORRECTED: 1, SOLVED: MOST_PASSES}
 def _remarks(scheme: MoreauJeanScheme, work: Workspace, steps: int | None) -> list[str]:
     """What a run is warned of."""
     unstable = [] if steps is None else _instability(scheme, work)
-    return [*_unsettled(scheme, steps), *unstable]
+    return [*_unsettled(scheme, steps), *unstable, *order_remarks(scheme.order, steps)]
+
+
+def _larger(system: System, scheme: MoreauJeanScheme, capacity: int) -> MoreauJeanScheme:
+    """The scheme with room for the order of ``capacity`` contacts."""
+    order = strike_order(system, capacity)
+    copy_parts(scheme.order, order)
+    return with_parts(scheme, {"order": order})
 
 
 def _unsettled(scheme: MoreauJeanScheme, steps: int | None) -> list[str]:
@@ -161,8 +171,10 @@ class MoreauJean:
             unsettled=0,
             q=system.q.copy(),
             u=system.u.copy(),
+            order=strike_order(system, FIRST_ROOM),
         )
-        stepping = TimeStepping(system, scheme, self.solver, Support(warnings=_remarks), self.on_unsolved, self.budget)
+        support = Support(grown=partial(_larger, system), warnings=_remarks)
+        stepping = TimeStepping(system, scheme, self.solver, support, self.on_unsolved, self.budget)
         run = started(stepping, self.adaptive, duration, interval, (self.theta, 1.0 - self.theta))
         watch_pair_laws(run.records, system)
         return run

@@ -192,8 +192,8 @@ def rest_on(work: SpatialWork, scheme: Any, i: int) -> None:
 
 @kernel
 def solve_problems(work: SpatialWork, scheme: Any, t: float, last: bool, recorder: Recorder) -> int:
-    """The problems laid that are not solved yet; with known slip where a contact slides, but for those of positions."""
-    if scheme.phase == POSITION:
+    """The problems laid that are not solved yet; but of positions and strikes with known slip where one slides."""
+    if scheme.phase == POSITION or scheme.order.goes_on == 1:
         return solve_islands(work, t, scheme.tolerance, scheme.warm == 1, last, recorder)
     islands, warm = work.islands, scheme.warm == 1
     if last and islands.next == 0:

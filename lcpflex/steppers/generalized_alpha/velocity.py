@@ -1,0 +1,143 @@
+"""The velocity problem of a generalised-alpha step: the impact law, and friction, at its end.
+
+See :mod:`lcpflex.steppers.generalized_alpha.stepper` for the scheme. Where several contacts close in a step there are
+several problems, in the order of :mod:`lcpflex.steppers.strike_order`; the last one, of all contacts, ends the step.
+"""
+
+from __future__ import annotations
+
+from lcpflex.contact.narrow_phase.feature import refresh
+from lcpflex.dynamics.contact_problem import lay_contacts
+from lcpflex.dynamics.delassus import apply_impulses, free_velocities, row_velocity
+from lcpflex.dynamics.large_island import prepare_large
+from lcpflex.dynamics.mechanics import multiply
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import kernel
+from lcpflex.jit.leaf import in_space
+from lcpflex.model.arrays import Model
+from lcpflex.steppers.generalized_alpha.memory import AlphaScheme, match
+from lcpflex.steppers.generalized_alpha.smooth import assemble_rows
+from lcpflex.steppers.strike_order import begin_order, choose_strikes, needs_order
+
+__all__ = ["pose_velocity", "resting_load"]
+
+
+@kernel
+def numerical_damping(model: Model, work: Workspace, scheme: AlphaScheme) -> float:
+    """Energy that the smooth motion has lost by not being that of the trapezoidal rule, which conserves it [J].
+
+    dv M (u + v~)/2 - dq (f + f~)/2 with dv = v~ - u - h (w + w~)/2 and dq = q~ - q - h (u + v~)/2.
+    """
+    h, u = scheme.step, scheme.u
+    for i in range(len(u)):
+        scheme.mean[i] = 0.5 * (u[i] + scheme.v_new[i])
+    multiply(model, scheme.q_new, scheme.mean, work, scheme.momentum)
+    gained = 0.0
+    for i in range(len(u)):
+        a = scheme.a[i]
+        a_new = scheme.a_new[i]
+        dv = (1.0 - scheme.gamma) * a + scheme.gamma * a_new - 0.5 * (scheme.w[i] + scheme.w_new[i])
+        dq = (0.5 - scheme.beta) * a + scheme.beta * a_new - 0.5 * ((1.0 - scheme.gamma) * a + scheme.gamma * a_new)
+        force = 0.5 * (scheme.start.conservative[i] + scheme.end.conservative[i])
+        gained += h * (dv * scheme.momentum[i] - h * dq * force)
+    return -gained
+
+
+@in_space("lcpflex.steppers.spatial.alpha")
+@kernel
+def resting_load(work: Workspace, scheme: AlphaScheme, k: int, r: int) -> float:
+    """Force of the smooth motion on row r, of contact k [N]; 0 where it did not rest."""
+    i = scheme.matched[k]
+    if i < 0:
+        return 0.0
+    return float(scheme.resting.load[i, 0 if r < work.n_joint + work.n_contacts else 1])
+
+
+@kernel
+def find_closing(model: Model, n: int, work: Workspace, scheme: AlphaScheme) -> None:
+    """Which of n contacts close in this step, and where more than one does, how far apart they were at its start."""
+    order, table = scheme.order, work.table
+    for k in range(n):
+        order.closes[k] = 1 if scheme.matched[k] < 0 else 0
+    order.goes_on = 1 if needs_order(model.contacts.restitution, table.law, n, order.closes) else 0
+    if order.goes_on == 0:
+        return
+    for k in range(n):
+        if order.closes[k] == 1:
+            refresh(model, scheme.q, table, k)
+            order.gap[k] = table.gap[k]
+            refresh(model, scheme.q_new, table, k)
+    begin_order(scheme.u, scheme.v_new, order)
+
+
+@kernel
+def lay_free(n: int, n_tangent: int, work: Workspace, scheme: AlphaScheme) -> None:
+    """``work.free_u``: velocity without any contact impulse; after strikes, with those."""
+    n_joint, h, order = work.n_joint, scheme.step, scheme.order
+    total = n_joint + n + n_tangent
+    first = order.rounds == 0
+    for i in range(len(scheme.u)):
+        work.free_u[i] = scheme.v_new[i] if first else order.after[i]
+    for r in range(n_joint + n, total):
+        work.p[r] = 0.0
+    for k in range(n):
+        i = scheme.matched[k]
+        work.p[n_joint + k] = -h * scheme.resting.load[i, 0] if i >= 0 and first else 0.0
+        work.tangent_of[k] = -1
+    for j in range(n_tangent - 1, -1, -1):  # in space two of each contact, and the first is told
+        work.tangent_of[work.tangent[j]] = j
+    for j in range(n_tangent):
+        k = work.tangent[j]
+        if scheme.matched[k] >= 0 and first:
+            work.p[n_joint + n + j] = -h * resting_load(work, scheme, k, n_joint + n + j)
+    if first:
+        apply_impulses(work.solved, work.row_body, n_joint, total, work.p, work.dof, work.free_u)
+    free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.terms)
+    for r in range(n_joint):
+        work.free[r] += work.rate[r]
+
+
+@kernel
+def reflect(model: Model, n: int, n_tangent: int, work: Workspace, scheme: AlphaScheme) -> None:
+    """Restitution of the n contacts, or of those struck now, in the right-hand side."""
+    n_joint, order = work.n_joint, scheme.order
+    u = order.before if order.rounds + order.goes_on > 0 else scheme.u
+    for k in range(n):
+        e_n = model.contacts.restitution[work.table.law[k]]
+        if e_n > 0.0 and scheme.matched[k] < 0:
+            before = min(row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u), 0.0)
+            scheme.approach = max(scheme.approach, -before)
+            gained = abs(work.free[n_joint + k] - before)
+            if -before > scheme.rebound + scheme.settle * gained:
+                work.free[n_joint + k] += e_n * before
+            else:
+                scheme.stopped = max(scheme.stopped, -before)
+    for j in range(n_tangent):
+        k = work.tangent[j]
+        e_t = model.contacts.tangential_restitution[work.table.law[k]]
+        if e_t > 0.0 and scheme.matched[k] < 0 and (order.rounds == 0 or order.goes_on == 1):
+            r = n_joint + n + j
+            work.free[r] += e_t * row_velocity(work.rows, work.row_body, r, work.dof, u)
+
+
+@kernel
+def pose_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme) -> None:
+    """Impact law and friction at the end of the step, for the whole impulses of the step, or the next strike in it.
+
+    A contact that came to the step at rest has no restitution: its approach is that of a curved surface.
+    """
+    n, order = scheme.n_found, scheme.order
+    n_tangent = assemble_rows(model, t, 0.0, 0.0, n, work, scheme)
+    if order.rounds == 0:
+        scheme.numerical = numerical_damping(model, work, scheme)
+    match(work.table, n, scheme.resting, scheme.matched)
+    if order.rounds == 0:
+        find_closing(model, n, work, scheme)
+    lay_free(n, n_tangent, work, scheme)
+    lay_contacts(work)
+    if order.goes_on == 1:
+        closed, slow = scheme.gap_tolerance, scheme.velocity_threshold + scheme.rebound
+        choose_strikes(work, order, model.contacts.restitution, closed, slow)
+    reflect(model, n, n_tangent, work, scheme)
+    prepare_large(model, work)
+    scheme.warm = 1 - order.goes_on
