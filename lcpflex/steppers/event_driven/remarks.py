@@ -56,7 +56,8 @@ def shared_load(memory: EventMemory, name: Callable[[int], str]) -> list[str]:
         return []
     return [
         f"contact forces are not unique where more contacts than are needed share a load: contact {name(spared)} was "
-        "taken to carry nothing; the motion is the same with any share, and time stepping stores the least forces"
+        "taken to carry nothing; the motion is the same with any share as long as none slips, and time stepping stores "
+        "the least forces"
     ]
 
 
