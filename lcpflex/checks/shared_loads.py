@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.checks.struck_together import bodies_of_laws
 from lcpflex.errors import LcpflexError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import SLIP
@@ -46,7 +47,7 @@ def shared_loads(result: Result) -> tuple[str, ...]:
     friction = np.asarray(compiled.model.contacts.friction)
     if not (friction > 0.0).any():
         return ()
-    bodies = _bodies_of_laws(compiled.model, len(friction))
+    bodies = bodies_of_laws(compiled.model, len(friction))
     for record in _instants(result):
         laws = _sharing(result, record, friction, bodies)
         if len(laws):
@@ -59,14 +60,6 @@ def shared_loads(result: Result) -> tuple[str, ...]:
                 "and GeneralizedAlpha(step=...); flexible bodies have no such choice)",
             )
     return ()
-
-
-def _bodies_of_laws(model: Any, laws: int) -> IntArray:
-    """(laws, 2) bodies of each declared contact, -1: the ground."""
-    contacts, body = model.contacts, np.asarray(model.contacts.surface_body)
-    pair = np.full((laws, 2), -1)
-    pair[contacts.pass_law, 0], pair[contacts.pass_law, 1] = body[contacts.pass_node], body[contacts.pass_feature]
-    return pair
 
 
 def _instants(result: Result) -> list[int]:

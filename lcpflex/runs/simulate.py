@@ -18,6 +18,7 @@ from lcpflex.checks.loads_in_time import with_unseen_loads
 from lcpflex.checks.rebound import rebounds
 from lcpflex.checks.resolution import unresolved
 from lcpflex.checks.shared_loads import shared_loads
+from lcpflex.checks.struck_together import struck_together
 from lcpflex.checks.wound_springs import wound_spring
 from lcpflex.dynamics.impact_laws import Newton
 from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
@@ -214,7 +215,7 @@ def carry_out(
     complete = not (message or interrupted)
     result = _collect(setup, run, timing, note, complete)
     result = replace(result, warnings=(*result.warnings, *unresolved(result), *rebounds(result), *kept_depths(result)))
-    result = with_axial_loads(replace(result, notes=(*result.notes, *shared_loads(result))))
+    result = with_axial_loads(replace(result, notes=(*result.notes, *struck_together(result), *shared_loads(result))))
     if system.calls is not None:
         result = replace(result, python_calls=system.calls.number, python_time=system.calls.time)
     if step := getattr(run, "fixed_step", 0.0):
