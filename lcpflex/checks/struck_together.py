@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.jit.kernel import IntArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.layout import is_spatial
 from lcpflex.results.result import Result
 
-__all__ = ["bodies_of_laws", "struck_together"]
+__all__ = ["bodies_of_laws", "neighbours", "strikes", "struck_together"]
 
 CLOSED = 1e-8  # of the size of the scene: gaps of contacts that touch, as places are told
 BACK = 2  # instants to look back: that of an event may be stored twice before it
@@ -39,22 +39,15 @@ def struck_together(result: Result) -> tuple[str, ...]:
     compiled = result.compiled
     if compiled is None or len(result.times) < 2:
         return ()
-    laws = len(result.contact_names)
-    restitution = np.asarray(compiled.model.contacts.restitution)[:laws]
-    rigid = ~np.isin(result.contact_names, result.compliant)
-    if laws < 2 or not (restitution[rigid] > 0.0).any():
-        return ()
-    gap = np.nan_to_num(result.gap[:, :laws], nan=np.inf)
-    closed = CLOSED * _size(result)
-    at = np.arange(len(gap) - 1)
-    before = np.maximum.reduce([gap[np.maximum(at - back, 0)] for back in range(BACK + 1)])
-    pushed = np.diff(result.impulse[:, :laws, 0], axis=0) > 0.0
-    struck = pushed & (before > closed) & (restitution > 0.0) & rigid
+    gap, struck, closed = strikes(result)
     rows, cols = (index[:MOST] for index in np.nonzero(struck))
     if not len(rows):
         return ()
-    together = (before[rows] <= closed) | (pushed[rows] & (np.abs(gap[rows] - gap[rows, cols][:, None]) <= closed))
-    together &= _neighbours(bodies_of_laws(compiled.model, laws))[cols] & rigid
+    laws = gap.shape[1]
+    pushed = np.diff(result.impulse[:, :laws, 0], axis=0) > 0.0
+    together = (before(gap)[rows] <= closed) | (pushed[rows] & (np.abs(gap[rows] - gap[rows, cols][:, None]) <= closed))
+    rigid = ~np.isin(result.contact_names, result.compliant)
+    together &= neighbours(bodies_of_laws(compiled.model, laws))[cols] & rigid
     found = np.flatnonzero(together.any(axis=1))
     if not len(found):
         return ()
@@ -69,14 +62,39 @@ def struck_together(result: Result) -> tuple[str, ...]:
     )
 
 
+def before(gap: FloatArray) -> FloatArray:
+    """(instants - 1, laws) largest gap of the instants up to each [m]."""
+    at = np.arange(len(gap) - 1)
+    return np.asarray(np.maximum.reduce([gap[np.maximum(at - back, 0)] for back in range(BACK + 1)]))
+
+
+def strikes(result: Result) -> tuple[FloatArray, Mask, float]:
+    """Gaps at stored instants [m], which contacts were struck from each to the next, and how near ones touch [m].
+
+    Struck are contacts with restitution that were open, and have an impulse then.
+    """
+    laws = len(result.contact_names)
+    gap = np.nan_to_num(result.gap[:, :laws], nan=np.inf)
+    closed = CLOSED * _size(result)
+    if result.compiled is None or laws < 2:
+        return gap, np.zeros((len(gap) - 1, laws), dtype=bool), closed
+    rebounds = np.asarray(result.compiled.model.contacts.restitution)[:laws] > 0.0
+    rebounds &= ~np.isin(result.contact_names, result.compliant)
+    if not rebounds.any():
+        return gap, np.zeros((len(gap) - 1, laws), dtype=bool), closed
+    pushed = np.diff(result.impulse[:, :laws, 0], axis=0) > 0.0
+    return gap, pushed & (before(gap) > closed) & rebounds, closed
+
+
 def _size(result: Result) -> float:
     """Largest extent of a body [m], or of the places of touching points."""
-    assert result.compiled is not None
+    if result.compiled is None:
+        return 1.0
     extent = np.asarray(result.compiled.model.contacts.surface_extent)
     return float(extent[np.isfinite(extent)].max(initial=0.0)) or 1.0
 
 
-def _neighbours(bodies: IntArray) -> Mask:
+def neighbours(bodies: IntArray) -> Mask:
     """(laws, laws) whether two contacts share a body that moves."""
     shared = np.zeros((len(bodies), len(bodies)), dtype=bool)
     for i in range(2):

@@ -17,8 +17,6 @@ from lcpflex.checks.kept_depth import kept_depths
 from lcpflex.checks.loads_in_time import with_unseen_loads
 from lcpflex.checks.rebound import rebounds
 from lcpflex.checks.resolution import unresolved
-from lcpflex.checks.shared_loads import shared_loads
-from lcpflex.checks.struck_together import struck_together
 from lcpflex.checks.wound_springs import wound_spring
 from lcpflex.dynamics.impact_laws import Newton
 from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
@@ -215,7 +213,7 @@ def carry_out(
     complete = not (message or interrupted)
     result = _collect(setup, run, timing, note, complete)
     result = replace(result, warnings=(*result.warnings, *unresolved(result), *rebounds(result), *kept_depths(result)))
-    result = with_axial_loads(replace(result, notes=(*result.notes, *struck_together(result), *shared_loads(result))))
+    result = with_axial_loads(_with_shared_bodies(result, getattr(run, "fixed_step", 0.0)))
     if system.calls is not None:
         result = replace(result, python_calls=system.calls.number, python_time=system.calls.time)
     if step := getattr(run, "fixed_step", 0.0):
@@ -236,6 +234,19 @@ def carry_out(
             result=result,
         ) from cause
     return result
+
+
+def _with_shared_bodies(result: Result, step: float) -> Result:
+    """With what is to be said of contacts that share bodies, where there may be such."""
+    if len(result.contact_names) < 2 and np.bincount(result.contact_points.record, minlength=1).max() < 2:
+        return result
+    from lcpflex.checks.shared_loads import shared_loads
+    from lcpflex.checks.strikes_in_turn import strikes_in_turn
+    from lcpflex.checks.struck_together import struck_together
+
+    notes = (*result.notes, *struck_together(result), *shared_loads(result))
+    turns = strikes_in_turn(result, step) if step else ()
+    return replace(result, notes=notes, warnings=(*result.warnings, *turns))
 
 
 def _closed(touching: tuple[str, ...]) -> str:

@@ -69,14 +69,15 @@ def needs_order(restitution: FloatArray, law: IntArray, n: int, closes: IntArray
 def first_closing(work: Workspace, order: StrikeOrder, i: int, slow: float) -> float:
     """Time until the next contact of island i closes [s], at velocities ``order.before`` faster than ``slow`` [m/s].
 
-    Negative where it has sunk in before: a step may find what closed in the one before.
+    Negative where it has sunk in before: a step may find what closed in the one before. Not of contacts that forces
+    open by the end of the step as fast as they would rebound: no strike would change that.
     """
     first = math.inf
     for c in range(work.islands.start[i], work.islands.start[i + 1]):
         k = work.islands.contact[c]
         if order.closes[k] == 1:
             v = row_velocity(work.rows, work.row_body, work.n_joint + k, work.dof, order.before)
-            if v < -slow:
+            if v < -slow and work.free[work.n_joint + k] < 0.0:
                 first = min(first, order.gap[k] / -v)
     return first
 

@@ -86,6 +86,22 @@ def test_a_row_of_balls_a_tenth_of_a_step_apart(
     assert not result.warnings
 
 
+def test_strikes_in_turn_under_moreau_jean() -> None:
+    """A step of it strikes no contact that its strikes make to close: of unequal balls it says which step would do."""
+    masses, gaps = (1.0, 0.3, 2.0, 0.5, 1.0), [1e-4] * 4
+    expected = after_all(masses, gaps, [1.0] + [0.0] * 4, 1.0)
+    results = [
+        lf.simulate(row(masses, gaps, 1.0, 1.0, 1.0, False, False), 0.02, lf.MoreauJean(step=h)) for h in (1e-3, 1e-5)
+    ]
+    off = [np.abs(result.u[-1, 0::3] - expected).max() for result in results]
+    assert off[0] > 0.1
+    (said,) = results[0].warnings
+    assert "struck within 2 steps" in said
+    assert 5e-6 < float(said.split("at most ")[1].split(" s ")[0]) < 3e-5
+    assert off[1] < 1e-3
+    assert not results[1].warnings
+
+
 def dropped(gap: float, e: float, space: bool = False, follow: float = 0.0) -> Any:
     """A small ball above a large one, both falling onto a floor from a height of half a metre."""
     scene: Any = lf.SpatialScene() if space else lf.Scene()

@@ -115,7 +115,7 @@ def reflect(model: Model, n: int, n_tangent: int, work: Workspace, scheme: Alpha
     for j in range(n_tangent):
         k = work.tangent[j]
         e_t = model.contacts.tangential_restitution[work.table.law[k]]
-        if e_t > 0.0 and scheme.matched[k] < 0 and (order.rounds == 0 or order.goes_on == 1):
+        if e_t > 0.0 and scheme.matched[k] < 0:
             r = n_joint + n + j
             work.free[r] += e_t * row_velocity(work.rows, work.row_body, r, work.dof, u)
 
@@ -135,9 +135,9 @@ def pose_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme) 
         find_closing(model, n, work, scheme)
     lay_free(n, n_tangent, work, scheme)
     lay_contacts(work)
+    reflect(model, n, n_tangent, work, scheme)
     if order.goes_on == 1:
         closed, slow = scheme.gap_tolerance, scheme.velocity_threshold + scheme.rebound
         choose_strikes(work, order, model.contacts.restitution, closed, slow)
-    reflect(model, n, n_tangent, work, scheme)
     prepare_large(model, work)
     scheme.warm = 1 - order.goes_on
