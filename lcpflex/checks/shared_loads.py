@@ -29,7 +29,7 @@ from lcpflex.results.result import Result
 
 __all__ = ["shared_loads"]
 
-INSTANTS = 3  # looked at: those of most contacts in as many parts of the run
+INSTANTS = 4  # looked at: those of most contacts in as many parts of the run
 MOST = 60  # touching points of an instant that is looked at: more take as long as a run
 DEPENDENT = 1e-9  # of the largest singular value, of rows of forces and of moments over the size of the scene
 MATTERS = 1e-6  # of z: a smaller sum is rounding
@@ -48,7 +48,13 @@ def shared_loads(result: Result) -> tuple[str, ...]:
     if not (friction > 0.0).any():
         return ()
     bodies = bodies_of_laws(compiled.model, len(friction))
+    looked = set()
     for record in _instants(result):
+        at = points.at(record)
+        pattern = at.contact.tobytes(), (at.state == SLIP).tobytes()
+        if pattern in looked:  # as before, for what a rank tells
+            continue
+        looked.add(pattern)
         laws = _sharing(result, record, friction, bodies)
         if len(laws):
             names = [repr(result.contact_names[law]) for law in laws.tolist()]
@@ -86,21 +92,24 @@ def _sharing(result: Result, record: int, friction: FloatArray, bodies: IntArray
     normal, slips = np.append(normal, idle[2], axis=0), np.append(slips, idle[3])
     rigid = ~elastic[bodies[law]].any(axis=1) & ~_compliant(result)[law]
     law, place, normal, slips = law[rigid], place[rigid], normal[rigid], slips[rigid]
-    held = _held_twice(bodies[law])
-    law, place, normal, slips = law[held], place[held], normal[held], slips[held]
     pair, mu = bodies[law], friction[law]
+    centres = result.q[record][dof[:-1, None] + np.arange(2)]
+    if not len(law):
+        return NONE
+    normal = _outwards(pair, place, normal, centres)
+    lines = _lines(pair, place, normal, mu)
+    held = _held_twice(pair, lines)
+    law, pair, mu, lines, place, slips = law[held], pair[held], mu[held], lines[held], place[held], slips[held]
     if len(law) < 2 or not (mu > 0.0).any():
         return NONE
+    normal = normal[held]
     stuck = np.flatnonzero((mu > 0.0) & ~slips)
-    centres = result.q[record][dof[:-1, None] + np.arange(2)]
-    normal = _outwards(pair, place, normal, centres)
     tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
     W = np.hstack([_wrenches(pair, place, normal, centres), _wrenches(pair, place, tangent, centres)[:, stuck]])
     kept = np.abs(W).max(axis=1) > 0.0
     z = _null_space(W[kept])[: len(law)]
     if not z.shape[1]:
         return NONE
-    lines = _lines(pair, place, normal, mu)
     sums = np.zeros((lines.max() + 1, z.shape[1]))
     np.add.at(sums, lines, z)
     feels = (np.abs(sums).max(axis=1) > MATTERS)[lines] & (mu > 0.0)
@@ -136,16 +145,18 @@ def _idle(
     return laws, at.places[k], at.normals[k], np.abs(at.slip_speeds[k]) > at.slip_threshold
 
 
-def _held_twice(pair: IntArray) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    """Contacts between bodies that each have another one, too: a force alone on a body adds to none."""
-    keep = np.ones(len(pair), dtype=bool)
+def _held_twice(pair: IntArray, lines: IntArray) -> IntArray:
+    """Contacts between bodies that each have another line of them, too: what pushes alone on a body can have no sum."""
+    ends = dict(zip(lines.tolist(), pair.tolist(), strict=True))
     while True:
-        count = np.bincount(pair[keep].ravel() + 1, minlength=pair.max(initial=-1) + 2)
-        count[0] = 2  # the ground
-        left = keep & (count[pair + 1] > 1).all(axis=1)
-        if left.sum() == keep.sum():
-            return keep
-        keep = left
+        count: dict[int, int] = {-1: 2}  # the ground holds
+        for body in (body for both in ends.values() for body in both if body >= 0):
+            count[body] = count.get(body, 0) + 1
+        alone = [line for line, both in ends.items() if min(count[body] for body in both) < 2]
+        if not alone:
+            return np.asarray([k for k, line in enumerate(lines.tolist()) if line in ends], dtype=np.int64)
+        for line in alone:
+            del ends[line]
 
 
 def _outwards(pair: IntArray, place: FloatArray, normal: FloatArray, centres: FloatArray) -> FloatArray:
