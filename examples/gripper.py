@@ -46,7 +46,7 @@ def scene_of(force: float) -> lf.SpatialScene:
     rail = scene.ground.at(0.0, 0.0, 0.105)
     up = (0.0, 0.0, 1.0)
     scene.join(lf.Prismatic(hand.point("center"), rail, axis=up, name="rail"))
-    scene.join(lf.DrivenDisplacement(hand.point("center"), rail, up, height, name="lift"))
+    scene.join(lf.DrivenDisplacement(hand.point("center"), rail, height, up, name="lift"))
     floor = scene.ground.plane((0.0, 0.0, 0.0), up)
     scene.contact(box.surface(), floor, friction=0.3, name="floor")
     for name, sign, gap in (("left", -1.0, 5e-3), ("right", 1.0, 3e-3)):

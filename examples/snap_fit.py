@@ -66,7 +66,7 @@ def scene(friction: float, motion: Any, speed: float = 0.0) -> lf.Scene:
         made.join(lf.Revolute(hook.at(0.0, y), carriage.at(1e-3, y)))
     place = made.ground.at(-1e-3, 0.0)
     made.join(lf.Prismatic(carriage.point("center"), place, axis=(1.0, 0.0), name="guide"))
-    made.join(lf.DrivenDisplacement(carriage.point("center"), place, (1.0, 0.0), motion, name="drive"))
+    made.join(lf.DrivenDisplacement(carriage.point("center"), place, motion, (1.0, 0.0), name="drive"))
     made.contact(hook.surface("top"), made.ground.circle(RIB, RADIUS), friction=friction, name="rib")
     return made
 

@@ -45,7 +45,8 @@ BAR_ELEMENTS = 20_000
 class Bar:
     """A straight uniform bar that stretches and does not bend: rho A u_tt = E A u_xx, linear elements.
 
-    The axis runs from (0, 0), point "left", to (length, 0), point "right"; "center" is its middle. The frame carries
+    The axis runs from (0, 0), point "left", to (length, 0), point "right"; "center" is its middle. The frame, at the
+    left end (``scene.add(bar, position=..., point="center")`` puts the middle there), carries
     all motion across the axis; <x.x> = x^T M x with the mass matrix M of the mesh: rho A L^3 / 3 if consistent.
 
     Surfaces: "outline" (closed, through all nodes on both faces y = -+height/2), "bottom", "top", and the plane end

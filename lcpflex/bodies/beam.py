@@ -57,6 +57,8 @@ class Beam:
     """A straight uniform planar Euler-Bernoulli beam: rho A w_tt + E I w_xxxx = 0, and rho A u_tt = E A u_xx.
 
     The axis runs from (0, 0), point "left", to (length, 0), point "right", in the body frame; "center" is its middle.
+    So the frame is at the left end, other than that of :class:`SpatialBeam`, which is in the middle:
+    ``scene.add(beam, position=..., point="center")``, or ``point="left"``, says the same of both.
     A = width thickness, I = width thickness^3 / 12. Mass is carried by the axis (no rotary inertia of the
     sections: rho A L^3 / 3 about the left end). Cubic Hermite elements in bending, linear ones in stretching, both with
     consistent mass. A point off the axis turns with its section: u - y w', w.

@@ -195,6 +195,14 @@ class Placed(PlacedBody):
             return shapes.on_body(shape, self.source.surfaces["outline"], self.source.axisymmetric)
         return shape
 
+    def _arm(self, point: Place) -> tuple[FloatArray, FloatArray]:
+        """Where a point is at the start from the origin of the frame, and what it has of velocity more, world axes."""
+        material, (q, u) = self._located(point, "point"), self.start
+        c, s = math.cos(q[2]), math.sin(q[2])
+        A = np.array([[c, -s], [s, c]])
+        place = A @ (material.place + q[3:] @ material.phi)
+        return place, u[2] * np.array([-place[1], place[0]]) + A @ (u[3:] @ material.phi)
+
     def _located(self, place: Place, argument: str = "place") -> MaterialPoint:
         if isinstance(place, str):
             known = {} if self.source is None else self.source.points

@@ -20,7 +20,7 @@ from lcpflex.force_laws.law import Law
 from lcpflex.scene import clearances, compiling
 from lcpflex.scene.contact_rules import contact_between, rule_of
 from lcpflex.scene.declared import ContactRule, DeclaredContact, Parts
-from lcpflex.scene.handles import Placed
+from lcpflex.scene.handles import Place, Placed
 from lcpflex.scene.joints.joint import Joint
 from lcpflex.scene.loads.load import Load
 from lcpflex.scene.naming import free_name
@@ -105,6 +105,7 @@ class Scene(Register):
         modal: npt.ArrayLike | None = None,
         modal_velocity: npt.ArrayLike | None = None,
         *,
+        point: Place | None = None,
         modes: int | None = None,
         damping: Damping | None = None,
         stiffening: Stiffening | None = None,
@@ -129,6 +130,10 @@ class Scene(Register):
             Place (2,) [m] and angle [rad] of the frame of the body.
         velocity, angular_velocity
             Velocity (2,) of the origin of that frame [m/s], world axes, and angular velocity [rad/s].
+        point
+            Which point of the body ``position`` and ``velocity`` are of: a name, as "center" or "left" of a
+            :class:`Beam`, or a place (2,) in its frame [m]; the origin of the frame if omitted, which is the left end
+            of ``Beam`` and ``Bar``.
         modal, modal_velocity
             (n,) initial modal coordinates [kg^1/2 m] and their rates, 0 if omitted (see ``body.project``); with
             ``modes``, of the free modes.
@@ -162,7 +167,12 @@ class Scene(Register):
                     )
         start = _state(body.modes, position=position, angle=angle, modal=modal)
         rate = _state(body.modes, velocity=velocity, angular_velocity=angular_velocity, modal_velocity=modal_velocity)
-        return self._place(Placed(called, len(self._placed), body, (start, rate), self, order))
+        placed = Placed(called, len(self._placed), body, (start, rate), self, order)
+        if point is not None:
+            place, turning = placed._arm(point)
+            start[:2] -= place
+            rate[:2] -= turning
+        return self._place(placed)
 
     def _put(self, placed: Placed, order: ReductionOrder) -> None:
         """Take a body of another scene that is reduced later, with its place and velocity."""

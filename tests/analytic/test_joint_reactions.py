@@ -91,7 +91,7 @@ KINDS: dict[str, Callable[[Any, Any], Any]] = {
     "PointOnLine": lambda P, Q: lf.PointOnLine(P, Q, axis=(0.6, 0.8), name="joint"),
     "Distance": lambda P, Q: lf.Distance(P, Q, name="joint"),
     "DrivenAngle": lambda P, Q: lf.DrivenAngle(P, Q, lambda t: 0.5 * t * t, name="joint"),
-    "DrivenDisplacement": lambda P, Q: lf.DrivenDisplacement(P, Q, (0.6, 0.8), lambda t: 0.3 * t * t, name="joint"),
+    "DrivenDisplacement": lambda P, Q: lf.DrivenDisplacement(P, Q, lambda t: 0.3 * t * t, (0.6, 0.8), name="joint"),
 }
 
 

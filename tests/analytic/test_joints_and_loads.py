@@ -86,7 +86,7 @@ def test_rod_of_changing_length_and_driven_slide():
     ball = mass(scene, "ball", position=(1.0, 0.0))
     cart = mass(scene, "cart", position=(0.0, 5.0))
     scene.join(lf.Distance(ball.at(0, 0), scene.ground.at(0, 0), length=lf.Table(times, 1.0 + times**3)))
-    scene.join(lf.DrivenDisplacement(cart.at(0, 0), scene.ground.at(0, 5), (0, 1), lf.Table(times, times**3)))
+    scene.join(lf.DrivenDisplacement(cart.at(0, 0), scene.ground.at(0, 5), lf.Table(times, times**3), (0, 1)))
     result = lf.simulate(scene, 1.0, STEP)
     np.testing.assert_allclose(np.hypot(result.q[:, 0], result.q[:, 1]), 1.0 + result.times**3, atol=1e-9)
     np.testing.assert_allclose(result.q[:, 4], 5.0 + result.times**3, atol=1e-9)

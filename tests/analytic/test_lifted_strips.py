@@ -42,7 +42,7 @@ def lift(scene: lf.Scene, where: str, height: float, start: float) -> None:
     """A drive that takes a point from ``start`` up by ``height`` in a second."""
     way = lf.Table([0.0, 1.0], [start, start + height])
     point = scene.body("strip").point(where)
-    scene.join(lf.DrivenDisplacement(point, scene.ground.at(0.0, 0.0), (0.0, 1.0), way, name=f"lift {where}"))
+    scene.join(lf.DrivenDisplacement(point, scene.ground.at(0.0, 0.0), way, (0.0, 1.0), name=f"lift {where}"))
 
 
 def check_forces(rest: lf.Rest, friction: float, weight: float, lifted: float, pulled: float = 0.0) -> None:
@@ -143,7 +143,7 @@ def test_two_strips(friction: float) -> None:
     upper = scene.add(beam, "upper", position=(0.0, 1.5e-3), modes=6)
     scene.contact(upper.surface("bottom"), scene.body("strip").surface("top"), friction=friction, name="between")
     way = lf.Table([0.0, 1.0], [1.5e-3, 1.15e-2])
-    scene.join(lf.DrivenDisplacement(upper.point("right"), scene.ground.at(0.0, 0.0), (0.0, 1.0), way, name="lift"))
+    scene.join(lf.DrivenDisplacement(upper.point("right"), scene.ground.at(0.0, 0.0), way, (0.0, 1.0), name="lift"))
     rest = lf.equilibrium(scene, time=1.0)
     weight = load_by_length(1e-3) * LENGTH
     force = float(rest.joint("lift").force[1])

@@ -197,10 +197,10 @@ def pushed(joint: str) -> lf.Scene:
     scene.join(lf.Prismatic(mass.at(0, 0), ground, axis=way, angle=0.0, name="guide"))
     motion = lf.Harmonic(0.1, OMEGA, mean=1.0)
     if joint == "driven":
-        scene.join(lf.DrivenDisplacement(mass.at(0, 0), ground, way, motion, name="push"))
+        scene.join(lf.DrivenDisplacement(mass.at(0, 0), ground, motion, way, name="push"))
     elif joint == "reversed":
         back = (-way[0], -way[1])
-        scene.join(lf.DrivenDisplacement(ground, mass.at(0, 0), back, motion, name="push"))
+        scene.join(lf.DrivenDisplacement(ground, mass.at(0, 0), motion, back, name="push"))
     else:
         scene.join(lf.Distance(mass.at(0, 0), ground, motion, name="push"))
     return scene

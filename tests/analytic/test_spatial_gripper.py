@@ -33,7 +33,7 @@ def gripped(force: float) -> lf.SpatialScene:
     hand = scene.add(lf.Cuboid(0.2, 0.05, 0.03, mass=1.0), name="hand", position=(0.0, 0.0, 0.1))
     rail = scene.ground.at(0.0, 0.0, 0.1)
     scene.join(lf.Prismatic(hand.point("center"), rail, axis=up))
-    scene.join(lf.DrivenDisplacement(hand.point("center"), rail, up, height))
+    scene.join(lf.DrivenDisplacement(hand.point("center"), rail, height, up))
     scene.contact(box.surface(), scene.ground.plane((0.0, 0.0, 0.0), up), friction=0.3, name="floor")
     for name, sign in (("left", -1.0), ("right", 1.0)):
         x = sign * 0.04
@@ -80,7 +80,7 @@ def test_a_hand_that_moves_aside_drags_the_box_over_the_ground() -> None:
         tied = scene.ground.at(*place)
         carriage = scene.add(lf.Sphere(0.005, mass=0.1), name=f"{name} carriage", position=place)
         scene.join(lf.Prismatic(carriage.point("center"), tied, axis=(0.0, 1.0, 0.0)))
-        scene.join(lf.DrivenDisplacement(carriage.point("center"), tied, (0.0, 1.0, 0.0), height))
+        scene.join(lf.DrivenDisplacement(carriage.point("center"), tied, height, (0.0, 1.0, 0.0)))
         scene.join(lf.Prismatic(finger.point("center"), carriage.point("center"), axis=(1.0, 0.0, 0.0)))
         scene.load(lf.Force(finger.point("center"), (-sign * 20.0, 0.0, 0.0)))
         scene.contact(finger.surface(), box.surface(), friction=FRICTION, name=name)

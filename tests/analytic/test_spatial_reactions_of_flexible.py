@@ -73,7 +73,7 @@ def test_drives(stepper: Any) -> None:
     slider = scene.add(lf.SpatialRigidBody(2.0, J), "slider")
     guide = slider.at(0, 0.1, 0), scene.ground.at(0, 0.1, 0)
     scene.join(lf.Prismatic(*guide, axis=axis, name="guide"))
-    scene.join(lf.DrivenDisplacement(*guide, axis, lambda t: (-2.0 * t * t, -4.0 * t, -4.0), name="push"))
+    scene.join(lf.DrivenDisplacement(*guide, lambda t: (-2.0 * t * t, -4.0 * t, -4.0), axis, name="push"))
     result = lf.simulate(scene, 0.01, stepper)
     told = {name: result.reaction(name) for name in ("turn", "push", "bearing", "guide")}
     behind = slice(1, None)  # the first instant: time stepping tells of none

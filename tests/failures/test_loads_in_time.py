@@ -165,7 +165,7 @@ def driven(motion: Any, turning: bool) -> lf.Scene:
         scene.join(lf.DrivenAngle(disc.point("center"), scene.ground.at(0.0, 0.0), motion, name="drive"))
     else:
         scene.join(
-            lf.DrivenDisplacement(disc.point("center"), scene.ground.at(0.0, 0.0), (1.0, 0.0), motion, name="drive")
+            lf.DrivenDisplacement(disc.point("center"), scene.ground.at(0.0, 0.0), motion, (1.0, 0.0), name="drive")
         )
     return scene
 
@@ -319,7 +319,7 @@ def test_a_light_body_that_its_damper_takes_along_does_not_ring() -> None:
     for disc in (cart, light):
         scene.join(lf.Prismatic(disc.point("center"), scene.ground.at(0.0, 0.0)))
     path = lf.Table(times, 0.01 * (5.0 * times - np.sin(10.0 * np.pi * times) / (2.0 * np.pi)))
-    scene.join(lf.DrivenDisplacement(cart.point("center"), scene.ground.at(0.0, 0.0), (1.0, 0.0), path))
+    scene.join(lf.DrivenDisplacement(cart.point("center"), scene.ground.at(0.0, 0.0), path, (1.0, 0.0)))
     scene.load(lf.Spring(cart.point("center"), light.at(0.0, 0.0), stiffness=0.0, damping=15.0))
     result = lf.simulate(scene, 0.2, lf.MoreauJean(step=1e-3), record=0)
     assert result.u[:, 3].max() == pytest.approx(0.1, rel=1e-3)

@@ -51,9 +51,10 @@ class SpatialBeam:
     """A straight uniform beam along x: stretching, torsion (St. Venant) and bending in two planes.
 
     The axis through the centroids runs from (-length / 2, 0, 0), point "left", to (length / 2, 0, 0), point "right";
-    "center" is its middle, the mass centre, and the origin of the frame. y and z are principal axes of the section, its
-    shear centre is the centroid. A material point (y, z) of a section moves with it as with a rigid one,
-    [u - y b - z c, v - z phi, w + y phi]: rotary inertia is in the mass, warping is not.
+    "center" is its middle, the mass centre, and the origin of the frame. (That of the planar :class:`Beam` is at its
+    left end: ``scene.add(beam, position=..., point="left")``, or ``point="center"``, says the same of both.) y and z
+    are principal axes of the section, its shear centre is the centroid. A material point (y, z) of a section moves with
+    it as with a rigid one, [u - y b - z c, v - z phi, w + y phi]: rotary inertia is in the mass, warping is not.
 
     Bending is that of Timoshenko's beam: sections may turn against the axis by shear. With ``shear_factor=None`` they
     stay normal to it, b = v' (Euler and Bernoulli, with rotary inertia). Two-node elements with the exact static

@@ -91,7 +91,7 @@ def bar_with_foot(elements: int = 400, speed: float = 1.0, ratio: float = 1.5, d
     )
     pull = Table([0.0, duration], [0.0, speed * duration])
     end = scene.ground.at(LENGTH, 0.0)
-    scene.join(DrivenDisplacement(bar.point("right"), end, (1.0, 0.0), pull, name="pull"))
+    scene.join(DrivenDisplacement(bar.point("right"), end, pull, (1.0, 0.0), name="pull"))
     scene.join(PointOnLine(bar.point("right"), end, (1.0, 0.0), name="guide"))
     floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
     scene.load(Force(bar.point("left"), (0.0, -ratio * impedance * speed)))

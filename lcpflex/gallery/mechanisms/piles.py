@@ -172,7 +172,7 @@ def silo(
     since = np.maximum(times - SETTLED, 0.0)
     path = np.where(since < RAMP, 0.5 * since**2 / RAMP, since - 0.5 * RAMP)
     drive = Table(times, -SINKING * path)
-    scene.join(DrivenDisplacement(bottom.point("center"), place, (0.0, 1.0), drive, name="drive"))
+    scene.join(DrivenDisplacement(bottom.point("center"), place, drive, (0.0, 1.0), name="drive"))
     _pour(scene, discs, columns - 1, scatter, seed, width=width)
     scene.contact_all(friction=friction, exclude=[(bottom, left), (bottom, right)])
     return scene

@@ -213,6 +213,15 @@ class SpatialPlaced(PlacedBody):
         shape = None if self.source is None else self.source.shape
         return "None" if shape is None else type(shape).__name__
 
+    def _arm(self, point: Place, A: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Where a point is at the start from the origin of the frame, and what it has of velocity more, world axes.
+
+        A (3, 3): the orientation of the body.
+        """
+        material, (q, u) = self._located(point, "point"), self.start
+        place = A @ (material.place + q[7:] @ material.phi)
+        return place, np.cross(A @ u[3:6], place) + A @ (u[6:] @ material.phi)
+
     def _located(self, place: Place, argument: str) -> SpatialPoint:
         """The material point that a name, a point of this body or three numbers tell."""
         if isinstance(place, str):

@@ -23,7 +23,7 @@ from lcpflex.scene.naming import free_name
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
 from lcpflex.scene.register import Register
 from lcpflex.scene.sensors.sensor import Sensor, check_placed_sensor
-from lcpflex.scene.spatial.handles import SpatialPlaced
+from lcpflex.scene.spatial.handles import Place, SpatialPlaced
 from lcpflex.scene.spatial.orientation import matrix_of, quaternion_of
 from lcpflex.scene.spatial.relative import SpatialJoint, SpatialLoad
 from lcpflex.scene.user_functions import check_names, functions_of
@@ -123,6 +123,8 @@ class SpatialScene(Register):
         angular_velocity: npt.ArrayLike = (0.0, 0.0, 0.0),
         modal: npt.ArrayLike | None = None,
         modal_velocity: npt.ArrayLike | None = None,
+        *,
+        point: Place | None = None,
         **planar: Any,
     ) -> SpatialPlaced:
         """Put a body into the scene. The same body may be put in several times, and into several scenes.
@@ -140,6 +142,10 @@ class SpatialScene(Register):
         velocity, angular_velocity
             Velocity (3,) of the origin of that frame [m/s] and angular velocity (3,) [rad/s], both in **world axes**.
             (In ``u``, the angular velocity is in body axes.)
+        point
+            Which point of the body ``position`` and ``velocity`` are of: a name, as "left" or "center" of a
+            :class:`SpatialBeam`, or a place (3,) in its frame [m]; the origin of the frame if omitted, which is the
+            middle of ``SpatialBeam`` (and the left end of the planar ``Beam``).
         modal, modal_velocity
             (n,) initial modal coordinates [kg^1/2 m] and their rates, 0 if omitted.
         **planar
@@ -157,6 +163,10 @@ class SpatialScene(Register):
         start = np.concatenate([array_of("position", position, (3,)), quaternion_of(A), eta])
         velocities = np.concatenate([array_of("velocity", velocity, (3,)), omega, rate])
         placed = SpatialPlaced(called, len(self._placed), body, (start, velocities), self)
+        if point is not None:
+            place, turning = placed._arm(point, A)
+            start[:3] -= place
+            velocities[:3] -= turning
         self._placed[called] = placed
         return placed
 

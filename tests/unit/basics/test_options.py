@@ -72,7 +72,7 @@ PLAIN: dict[str, Callable[[], Any]] = {
     "Distance": lambda: lf.Distance(*points(), 2.0),
     "Weld": lambda: lf.Weld(*points(), 1.0),
     "DrivenAngle": lambda: lf.DrivenAngle(*points(), 2.0, 1.0),
-    "DrivenDisplacement": lambda: lf.DrivenDisplacement(*points(), (1.0, 0.0), 2.0),
+    "DrivenDisplacement": lambda: lf.DrivenDisplacement(*points(), 2.0, (1.0, 0.0)),
     "Auto": lambda: solvers.Auto(2.0**-20),
     "Lemke": lambda: solvers.Lemke(2.0**-20, 64),
     "GaussSeidel": lambda: solvers.GaussSeidel(2.0**-20, 1.0, 64),

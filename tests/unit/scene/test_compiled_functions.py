@@ -193,7 +193,7 @@ def test_other_tabulated_drives_take_the_velocity_of_the_start(kind: str) -> Non
     if kind == "displacement":
         rate = 0.7 + 2.0 * 0.5  # e.v and edot.r, e fixed in the turning disc
         motion = lf.Table(times, 1.0 + rate * times + 0.5 * np.sin(3.0 * times) ** 2)
-        scene.join(lf.DrivenDisplacement(slider.point("center"), turning.point("center"), (1.0, 0.0), motion))
+        scene.join(lf.DrivenDisplacement(slider.point("center"), turning.point("center"), motion, (1.0, 0.0)))
     else:
         length = math.hypot(1.0, 0.5)
         rate = (0.7 + 0.5 * 2.0) / length

@@ -37,7 +37,7 @@ JOINTS: dict[str, tuple[Maker, int]] = {
     "PointOnPlane": (lambda P, Q: lf.PointOnPlane(P, Q, AXIS), 1),
     "PointOnLine": (lambda P, Q: lf.PointOnLine(P, Q, AXIS), 2),
     "DrivenAngle": (lambda P, Q: lf.DrivenAngle(P, Q, 0.0, axis=AXIS), 1),
-    "DrivenDisplacement": (lambda P, Q: lf.DrivenDisplacement(P, Q, AXIS, 0.0), 1),
+    "DrivenDisplacement": (lambda P, Q: lf.DrivenDisplacement(P, Q, 0.0, AXIS), 1),
 }
 
 
@@ -192,7 +192,7 @@ def bad_cases() -> list[tuple[str, Callable[[], Any]]]:
         ("axis: it was omitted", lambda: lf.DrivenAngle(P, Q, 0.0)),
         ("axis: it was omitted", lambda: lf.TorsionSpring(P, Q, 1.0)),
         (r"expected shape \(3\)", lambda: lf.Revolute(P, Q, axis=(1.0, 0.0))),
-        (r"expected shape \(3\)", lambda: lf.DrivenDisplacement(P, Q, (1.0, 0.0), 0.0)),
+        (r"expected shape \(3\)", lambda: lf.DrivenDisplacement(P, Q, 0.0, (1.0, 0.0))),
         ("not all 0", lambda: lf.Prismatic(P, Q, (0.0, 0.0, 0.0))),
         ("with nan in it", lambda: lf.Planar(P, Q, (0.0, math.nan, 0.0))),
         ("angle: 0.1 was given with points of a spatial", lambda: lf.Weld(P, Q, angle=0.1)),

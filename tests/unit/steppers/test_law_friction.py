@@ -95,7 +95,7 @@ def pulled(
     speed = PULL * length
     hook = scene.add(lf.Disc(0.01 * length, mass=mass), "hook", position=(length, height), velocity=(speed, 0.0))
     motion = lf.Table([0.0, 100.0], [0.0, 100.0 * speed])
-    scene.join(lf.DrivenDisplacement(hook.point("center"), scene.ground.at(length, height), (1.0, 0.0), motion))
+    scene.join(lf.DrivenDisplacement(hook.point("center"), scene.ground.at(length, height), motion, (1.0, 0.0)))
     scene.load(lf.Force(top.point("center"), (0.0, -WEIGHT * force)))
     spring = lf.Spring(top.point("center"), hook.point("center"), SPRING * mass, length=length)
     scene.load(spring)

@@ -172,7 +172,7 @@ def bar_with_foot(elements: int = 200) -> lf.Scene:
     )
     end = scene.ground.at(LENGTH, height)
     pull = lf.Table([0.0, 10.0], [0.0, 10.0])
-    scene.join(lf.DrivenDisplacement(bar.point("right"), end, (1.0, 0.0), pull, name="pull"))
+    scene.join(lf.DrivenDisplacement(bar.point("right"), end, pull, (1.0, 0.0), name="pull"))
     scene.join(lf.PointOnLine(bar.point("right"), end, (1.0, 0.0), name="guide"))
     scene.load(lf.Force(bar.point("left"), (0.0, -weight)))
     scene.contact(bar.node(0.0, 0.0), floor_of(scene), friction=1.0, name="foot")

@@ -164,7 +164,7 @@ def test_what_cannot_be_held_stops_aloud():
     disc = scene.add(lf.Disc(0.05, mass=1.0), position=(0.0, 0.2), velocity=(0.0, -1.0))
     down = lf.Table((0.0, 0.5, 1.0), (0.2, -0.3, -0.8))
     scene.join(lf.Prismatic(disc.at(0.0, 0.0), scene.ground.at(0.0, 0.0), axis=(0.0, 1.0)))
-    scene.join(lf.DrivenDisplacement(disc.at(0.0, 0.0), scene.ground.at(0.0, 0.0), (0.0, 1.0), down))
+    scene.join(lf.DrivenDisplacement(disc.at(0.0, 0.0), scene.ground.at(0.0, 0.0), down, (0.0, 1.0)))
     for wall in (left, right):
         scene.contact(disc.surface(), wall, friction=2.0)
     with pytest.raises(StepError, match="not solved"):
