@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lcpflex.compile.compiled_scene import Layout
+from lcpflex.compile.sunk_start import sunk_pairs
 from lcpflex.contact.near import near, surfaces_of
 from lcpflex.dynamics import start
 from lcpflex.dynamics.mass_matrix import mass_matrix, overbent
@@ -218,4 +220,13 @@ def start_apart(
             f"contact {name(table, deepest)!r}: its surfaces penetrate by {depth:.6g} m at the start, expected at most "
             f"{PENETRATION * size:.1g} m: move the bodies apart, or use project=True, which pushes them out"
         )
+    if not is_spatial(model):
+        hollow = [body for body, count in Counter(body for body, _, _ in layout.outlines).items() if count > 1]
+        for a, b, law in sunk_pairs(model, q, PENETRATION * size, hollow):
+            label = names[law] if law >= 0 else layout.pair_name(a, b)
+            if law < 0 or label in hard:
+                raise ModelError(
+                    f"contact {label!r}: its surfaces overlap at the start by more than half the thickness of one, so "
+                    "that no side is nearer than the other, expected bodies beside each other: move them apart"
+                )
     return q, u, notes
