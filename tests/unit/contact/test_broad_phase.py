@@ -61,7 +61,7 @@ def compiled(scene: lf.Scene, monkeypatch: pytest.MonkeyPatch, listed: bool) -> 
 @pytest.fixture
 def overlapping(monkeypatch: pytest.MonkeyPatch) -> None:
     """Scenes may begin with bodies in each other."""
-    monkeypatch.setattr("lcpflex.compile.compilation.refuse_penetration", lambda *parts: None)
+    monkeypatch.setattr("lcpflex.compile.compilation.start_apart", lambda model, layout, hard, q, u, *_: (q, u, ()))
 
 
 def found(made: lf.CompiledScene, q: np.ndarray, margin: float, collects: int = 2) -> list[tuple[object, ...]]:
@@ -153,7 +153,7 @@ def test_what_is_too_much_to_be_listed_is_found_all_the_same(monkeypatch: pytest
 
 def test_what_is_not_finite_ends_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = mixed(1, n=36)
-    monkeypatch.setattr("lcpflex.compile.compilation.refuse_penetration", lambda *parts: None)
+    monkeypatch.setattr("lcpflex.compile.compilation.start_apart", lambda model, layout, hard, q, u, *_: (q, u, ()))
     kept = compiled(scene, monkeypatch, False)
     for bad in (math.nan, math.inf, -math.inf, 1e300, -1e308):
         for entry in (0, 4, -1):
