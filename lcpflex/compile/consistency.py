@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.compile.compiled_scene import Layout
-from lcpflex.compile.sunk_start import sunk_pairs
 from lcpflex.contact.near import near, surfaces_of
 from lcpflex.dynamics import start
 from lcpflex.dynamics.mass_matrix import mass_matrix, overbent
@@ -40,6 +39,7 @@ JOINT_TOLERANCE = 1e-9  # [rad], or times the size of the scene [m]; the same fo
 PROJECTION_TOLERANCE = 1e-12
 MISFIT = 1e-5  # what redundant joints of space may contradict each other by, in the same units; it is said
 AXIS_TOLERANCE = 1e-6  # [rad] between a solid of revolution and what guides it
+CORNERS = 6  # of two triangles, the least closed outlines that may be inside each other
 PENETRATION = 1e-6  # times the size of the largest body: an initial penetration beyond it is an error
 
 
@@ -220,7 +220,9 @@ def start_apart(
             f"contact {name(table, deepest)!r}: its surfaces penetrate by {depth:.6g} m at the start, expected at most "
             f"{PENETRATION * size:.1g} m: move the bodies apart, or use project=True, which pushes them out"
         )
-    if not is_spatial(model):
+    if not is_spatial(model) and len(model.contacts.feature_kind) >= CORNERS:
+        from lcpflex.compile.sunk_start import sunk_pairs  # which scenes of discs do without
+
         hollow = [body for body, count in Counter(body for body, _, _ in layout.outlines).items() if count > 1]
         for a, b, law in sunk_pairs(model, q, PENETRATION * size, hollow):
             label = names[law] if law >= 0 else layout.pair_name(a, b)
