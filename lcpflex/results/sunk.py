@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from lcpflex.contact.thickness import law_thickness
 from lcpflex.jit.struct import pack
 from lcpflex.results.stored_instants import CONTINUED
 from lcpflex.steppers.scales import SUNK
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["Worst", "worst_drift", "worst_penetration"]
 
 STEPPED = 0.05  # of the size: a penetration that no step is allowed to leave, whatever it states of its error
+CLIPPED = 0.1  # of the thinnest body, and of that
 ESTIMATED = 5e-3  # of the size: what the stated error of the steps explains where the length of a step is not known
 NOISE = 1e-6  # of the size: what is deeper by no more is as deep as before
 SEEN = 0.5  # of a penetration or drift: what has so much of it at a stored instant is what had all of it
@@ -41,7 +43,9 @@ def worst_penetration(result: Result, size: float) -> Worst | None:
     if result.all_compliant or not len(depth) or depth.max() <= allowed:
         return None
     step = result.impact_step
-    reach = np.minimum(step * _speeds(result), STEPPED * size) if step > 0.0 else np.zeros(len(depth))
+    assert result.compiled is not None
+    most = min(STEPPED * size, CLIPPED * float(law_thickness(result.compiled.model.contacts).min(initial=np.inf)))
+    reach = np.minimum(step * _speeds(result), most) if step > 0.0 else np.zeros(len(depth))
     if not step > 0.0:
         allowed = max(allowed, min(2.0 * (result.place_error or 0.0), ESTIMATED * size))
     # what it began with, or a step has left, stays
