@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.results.energy_balance import Energies
+from lcpflex.results.energy_balance import Energies, EnergyGrowth, energy_doubts
 from lcpflex.results.summary import doubts
 
 STEPPERS = [
@@ -125,3 +125,13 @@ def test_what_counts_is_what_forces_would_do(space: bool) -> None:
     assert "gained without explanation" in doubts(unbalanced(result, 2e-4))[0]
     moved = result.q + np.linspace(0.0, 1e-3, len(result.q))[:, None] * np.eye(result.q.shape[1])[0]
     assert "gained without explanation" in doubts(replace(unbalanced(result, 2e-6), q=moved))[0]
+
+
+def test_energy_that_grew_by_half_is_never_trusted() -> None:
+    """However much more the loads could do: something moves, slowly, and has half as much energy again as it may."""
+    zero = np.zeros(101)
+    for growth, told in ((0.6, True), (0.2, False)):
+        grown = Energies.audit(1e-3 * np.linspace(1.0 - growth, 1.0, 101), zero, zero, zero, zero, zero, zero)
+        asked = grown, (0.0, 0.0, 0.0), EnergyGrowth.WARN, 100, 2e3
+        assert bool(energy_doubts(*asked, moved=True)) == told
+        assert not energy_doubts(*asked, moved=False)

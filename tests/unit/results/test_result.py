@@ -127,7 +127,7 @@ def test_indentation_of_laws_casts_no_doubt(swing: Result) -> None:
     assert "lost in impacts " in deep.summary()
     some = replace(deep, compliant=("stop", "roof"))
     assert "penetration of 10 mm" in doubts(some)[0]
-    assert "largest indentation 20 mm; largest penetration 10 mm;" in some.summary()
+    assert "largest indentation at the stored instants 20 mm; largest penetration 10 mm;" in some.summary()
     assert "lost in impacts, contacts " in some.summary()
     law = replace(deep, compliant=swing.contact_names)
     assert doubts(law) == ()
