@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.checks.grown import has_grown
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.errors import LcpflexError
@@ -62,7 +63,7 @@ class Worst:
 def with_axial_loads(result: Result) -> Result:
     """The result with a warning for each linear beam under axial load, and without trust where slopes are too large."""
     compiled = result.compiled
-    if compiled is None or not np.isfinite(result.q).all():
+    if compiled is None or has_grown(result):
         return result
     if is_spatial(compiled.model):
         return _in_space(result, compiled)

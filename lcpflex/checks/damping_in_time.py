@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.basics import libs
+from lcpflex.checks.grown import has_grown
 from lcpflex.checks.loads_in_time import place_name, resisted
 from lcpflex.checks.run_scales import masses_and_joints
 from lcpflex.compile.compiled_scene import CompiledScene
@@ -37,7 +38,7 @@ def ringing_dampers(result: Result, step: float, stepper: object) -> tuple[str, 
     None of generalised-alpha, whose steps solve for the forces of dampers, and say where they could not.
     """
     compiled, theta = result.compiled, _weight(stepper)
-    if theta is None or compiled is None or len(result.times) < 2 or not np.isfinite(result.u).all():
+    if theta is None or compiled is None or len(result.times) < 2 or has_grown(result):
         return ()
     if not _strong(compiled, step):
         return ()

@@ -14,6 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from lcpflex.checks.grown import has_grown
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.contact.near import near, normal_row
 from lcpflex.dynamics.applied_forces import spring_forces
@@ -40,7 +41,7 @@ DIFFERENCE = 1e-6  # of the largest coordinate, at least of 1
 def kept_depths(result: Result) -> tuple[str, ...]:
     """A warning for each contact whose force is off for the depth at which it is kept."""
     compiled = result.compiled
-    if compiled is None or len(result.times) == 0 or not np.isfinite(result.q[-1:]).all():
+    if compiled is None or len(result.times) == 0 or has_grown(result):
         return ()
     lasting = result.force[-max(2, int(LASTING * len(result.times))) :, :, 0].min(axis=0) > 0.0
     deep = lasting & (result.gap[-1] < 0.0) & ~np.isin(result.contact_names, result.compliant)
