@@ -49,6 +49,7 @@ __all__ = [
 Array = npt.NDArray[np.float64]
 
 OFF = 0.02  # of the size or the largest speed: wrong
+MOSTLY = 0.5  # of the instants velocities must have a truth for a doubt to be false
 MOST = 400  # instants at which velocities are compared
 SHIFTS = 41  # of a reference within the time by which an impact may be displaced
 LONGEST = 0.02  # [s] by which an impact may be displaced
@@ -67,6 +68,7 @@ class Errors:
     stated: float = 0.0  # the result's own
     stated_speed: float = 0.0
     depth: float = 0.0  # of bodies in each other or in walls, beyond that of the reference
+    known: float = 1.0  # share of the instants at which velocities have a truth
 
     @property
     def right(self) -> bool:
@@ -130,8 +132,8 @@ def _lasting(times: Array, errors: Array, window: Array) -> Array:
     return np.array([errors[k:end].min() for k, end in enumerate(last)])
 
 
-def _speed_errors(truth: Truth, result: lf.Result, seen: Seen, rows: Any, least: float) -> Array:
-    """Differences of velocities (m,) from the nearer reference, 0 where these differ: both hold.
+def _speed_errors(truth: Truth, result: lf.Result, seen: Seen, rows: Any, least: float) -> tuple[Array, float]:
+    """Differences of velocities (m,) from the nearer reference, 0 where these differ, and how often they do not.
 
     An impact may be displaced by ``least`` [s], or by the time in which a place moves by ``OFF`` of the size.
     """
@@ -143,7 +145,7 @@ def _speed_errors(truth: Truth, result: lf.Result, seen: Seen, rows: Any, least:
     one, other = ([run.rates(at) for at in shifts] for run in (truth.first, truth.second))
     sure = _nearest(now, other) <= 0.25 * OFF * truth.speed
     error = np.minimum(_nearest(mine, one), _nearest(mine, other))
-    return _lasting(t, np.where(sure, error, 0.0), window)
+    return _lasting(t, np.where(sure, error, 0.0), window), float(sure.mean())
 
 
 def judge_result(drawn: Drawn, result: lf.Result, truth: Truth) -> Errors:
@@ -153,12 +155,13 @@ def judge_result(drawn: Drawn, result: lf.Result, truth: Truth) -> Errors:
     there = truth.first.places(result.times[rows])
     off = float(largest(seen.places(result.q[rows]) - there).max()) / truth.size
     window = 2.0 * drawn.fineness if drawn.fixed else 0.0
-    off_speed = float(_speed_errors(truth, result, seen, rows, window).max()) / truth.speed
+    speeds, known = _speed_errors(truth, result, seen, rows, window)
     right = truth.first.result
-    known = np.flatnonzero(right.times <= truth.until)
-    depth = seen.depth(result, rows) - max(0.0, truth.first.seen.depth(right, known))
+    held = np.flatnonzero(right.times <= truth.until)
+    depth = seen.depth(result, rows) - max(0.0, truth.first.seen.depth(right, held))
     place, speed = error_shares(result) or (0.0, 0.0)
-    return Errors(off, off_speed, place, speed, max(0.0, depth) / truth.size)
+    off_speed = float(speeds.max()) / truth.speed
+    return Errors(off, off_speed, place, speed, max(0.0, depth) / truth.size, known)
 
 
 def judge(drawn: Drawn) -> Verdict:
@@ -193,6 +196,8 @@ def outcome_of(errors: Errors, doubted: Iterable[str], warned: Iterable[str]) ->
     doubted = [f"doubt: {text}" for text in doubted]
     said = "; ".join([*doubted, *warned])
     if errors.right:
+        if doubted and errors.known < MOSTLY:
+            return "no truth", said  # a doubt of the energy is none of places
         return ("alarm" if doubted else "warned" if said else "quiet"), said
     if not errors.wrong and not doubted:
         return "stated", said

@@ -104,6 +104,7 @@ def test_what_a_run_is_called() -> None:
     assert outcome_of(right, (), ())[0] == "quiet"
     assert outcome_of(right, (), ("slow",))[0] == "warned"
     assert outcome_of(right, ("wrong",), ())[0] == "alarm"
+    assert outcome_of(replace(right, known=0.3), ("wrong",), ())[0] == "no truth"
     assert outcome_of(off, (), ())[0] == "silent"
     assert outcome_of(replace(off, stated=0.06), (), ())[0] == "stated"
     assert outcome_of(replace(off, stated=0.04), (), ())[0] == "understated"
