@@ -1,13 +1,15 @@
-"""Wall time of a run: what kernels take to compile or to load, and what is computing."""
+"""Wall time of a run: what kernels take to compile or to load, what is computing, and how much of that is allowed."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from lcpflex.basics import libs
 
-__all__ = ["Stopwatch"]
+__all__ = ["Budget", "Stopwatch", "budgeted"]
 
 
 class Stopwatch:
@@ -27,12 +29,14 @@ class Stopwatch:
         self._loading = 0.0
         self._compiling, self._depth, self._since = 0.0, 0, 0.0
         self._listener = Compiling()
+        self.computes = False  # whether computing has begun
 
     def started(self) -> None:
         """Computing begins."""
         libs.numba_event.register("numba:compile", self._listener)
         now = time.perf_counter()
         self._loading, self._began, self._compiling = now - self._began, now, 0.0
+        self.computes = True
 
     def so_far(self) -> tuple[float, float]:
         """Time of computing since it began, and of compiling or loading [s]."""
@@ -52,3 +56,26 @@ class Stopwatch:
         self._depth -= 1
         if self._depth == 0:
             self._compiling += time.perf_counter() - self._since
+
+
+class Budget:
+    """Seconds of computing that something may take, None for any; compilation is not counted."""
+
+    def __init__(self, seconds: float | None, watch: Stopwatch) -> None:
+        self.seconds, self._watch = seconds, watch
+
+    @property
+    def is_spent(self) -> bool:
+        """Whether they are over."""
+        return self.seconds is not None and self._watch.computes and self._watch.so_far()[0] > self.seconds
+
+
+@contextmanager
+def budgeted(seconds: float) -> Iterator[Budget]:
+    """A budget that is spent from here on."""
+    watch = Stopwatch()
+    watch.started()
+    try:
+        yield Budget(seconds, watch)
+    finally:
+        watch.ended()

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from lcpflex.basics import libs
 from lcpflex.basics.names import meant
+from lcpflex.basics.progress import Progress
 from lcpflex.cli import later
 from lcpflex.cli.reading import called, check_files, in_file, load_named
 from lcpflex.errors import ModelError
@@ -44,7 +44,7 @@ def _cross_check(request: argparse.Namespace) -> int:
     later.check_time_limit("--time-limit", request.time_limit)
     later.check_repeats(request.repeats)
     problems, solvers = _problems(request.file, request.index), _solvers(request.solver)
-    with libs.tqdm(total=len(problems), desc="solving", unit="problem", leave=False, disable=None) as bar:
+    with Progress(None, what="cross-check", total=len(problems), desc="solving", unit="problem", leave=False) as bar:
         sums = later.replay(
             problems,
             solvers,

@@ -32,6 +32,9 @@ def add_run(commands: Any) -> None:
     run.add_argument("--step", type=float, metavar="SECONDS", help="step; largest step of event-driven and smooth")
     run.add_argument("--stiffness", type=float, metavar="N/M", help="of every contact, for --stepper smooth")
     run.add_argument("--duration", type=float, metavar="SECONDS", help="default: the one of the scene")
+    run.add_argument(
+        "--budget", type=float, metavar="SECONDS", help="of computing, after which the run ends where it is"
+    )
     run.add_argument("--save", type=Path, metavar="FILE", help="write the result to this npz file")
     run.add_argument("--plot", type=Path, metavar="FILE", help="write a chart to this png, pdf or svg file")
     run.set_defaults(command=_run)
@@ -47,7 +50,7 @@ def _gallery(request: argparse.Namespace) -> int:
 
 
 def _run(request: argparse.Namespace) -> int:
-    for option, unit in (("step", "seconds"), ("duration", "seconds"), ("stiffness", "N/m")):
+    for option, unit in (("step", "seconds"), ("duration", "seconds"), ("budget", "seconds"), ("stiffness", "N/m")):
         value = getattr(request, option)
         if value is not None and not 0.0 < value < float("inf"):
             raise ModelError(f"--{option}: {shown(value)}; expected a number of {unit} > 0")
@@ -55,7 +58,7 @@ def _run(request: argparse.Namespace) -> int:
     scene, duration, stepper = scene_named(request.scene)
     duration = duration_of(request, duration)
     stepper = _stepper(request.stepper, request.step, request.stiffness, stepper)
-    result = later.simulate(scene, duration, stepper)
+    result = later.simulate(scene, duration, stepper, budget=request.budget)
     print(result.summary())
     if request.save is not None:
         print(f"\nsaved: {result.save(request.save).resolve()}")

@@ -8,6 +8,7 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 
 from lcpflex.basics.garbage import without_collections
+from lcpflex.basics.progress import look
 from lcpflex.jit import loading, thin
 from lcpflex.jit.cache import KernelCache, keep, read_anywhere
 from lcpflex.jit.kernel_file import KernelFile
@@ -50,6 +51,7 @@ class ThinDispatcher(CPUDispatcher):  # type: ignore[misc]
                 return super().compile(sig)
             finally:
                 cache.leave(depth)
+                look()  # a run may compile for minutes
 
     def _compile_for_args(self, *args: Any, **kws: Any) -> Any:
         """What Python calls for these arguments."""

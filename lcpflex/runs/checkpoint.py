@@ -16,9 +16,9 @@ arrays that it names (:mod:`lcpflex.runs.object_tree`). The structure holds
 from __future__ import annotations
 
 import json
+import logging
 import os
 import signal
-import sys
 import threading
 import time
 import zipfile
@@ -30,6 +30,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.basics.archives import load_arrays
+from lcpflex.basics.progress import tell
 from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError, in_range, shown, writable_path
 from lcpflex.runs.object_tree import Arrays, Unkept, freeze, thaw
@@ -211,21 +212,22 @@ class Checkpoints:
             self._handler = None
 
     def _try(self) -> None:
-        """Write a checkpoint; where that fails, say so once and go on."""
+        """Write a checkpoint; where that fails, say so once and go on: a warning that is an error would end the run."""
         began = time.perf_counter()
         try:
             self._write()
         except (ModelError, MemoryError) as error:
             if not self._failed:
-                _say(f"a checkpoint was not written, the run goes on: {error}")
+                tell(f"a checkpoint was not written, the run goes on: {error}", logging.WARNING)
             self._failed = True
         now = time.perf_counter()
         pause = max(self._every, (now - began) / SHARE)
         if pause > 1.5 * self._every > 0.0 and not self._stretched and not self._failed:
             self._stretched = True
-            _say(
+            tell(
                 f"a checkpoint takes {now - began:.3g} s: from now on one is written every {pause:.3g} s, not every "
-                f"{self._every:.3g} s, for at most {100.0 * SHARE:g} % of the time"
+                f"{self._every:.3g} s, for at most {100.0 * SHARE:g} % of the time",
+                logging.WARNING,
             )
         self._next = now + pause
 
@@ -252,11 +254,6 @@ class Checkpoints:
             ) from error
         with whole_file("checkpoint", self._path) as part, part.open("wb") as file:
             np.savez(file, format=np.array(FORMAT), structure=np.array(json.dumps(structure)), **arrays)  # type: ignore[arg-type]
-
-
-def _say(words: str) -> None:
-    """Tell while the run goes on; a warning that is an error would end it."""
-    print(f"lcpflex: {words}", file=sys.stderr, flush=True)
 
 
 def given_again(missing: Mapping[str, str], path: str, what: str) -> ModelError:

@@ -1,16 +1,15 @@
-"""What may end a run before its duration: energy that contact impulses create, and the time of computing."""
+"""What may end a run before its duration: energy that contact impulses create, and a budget of computing time."""
 
 from __future__ import annotations
 
-import time
-
+from lcpflex.basics.stopwatch import Budget
 from lcpflex.results.energy_balance import GROWTH, created
 from lcpflex.runs.setup import Run
 from lcpflex.steppers.user_functions import advance
 
 __all__ = ["TOO_LATE", "Limits"]
 
-TOO_LATE = "the time limit of"  # begins the message of a run that was given up
+TOO_LATE = "the budget of"  # begins the message of a run that has computed for too long
 
 
 class Limits:
@@ -20,24 +19,17 @@ class Limits:
     ----------
     growth
         What lets contact impulses of the run create energy, for the message; empty where they may.
-    seconds
-        Of computing, compilation not counted; None for any.
+    budget
+        Of computing.
     """
 
-    def __init__(self, growth: str = "", seconds: float | None = None) -> None:
-        self._growth = growth
-        self._seconds = seconds
+    def __init__(self, growth: str, budget: Budget) -> None:
+        self._growth, self._budget = growth, budget
         self._known = 0.0  # energy created so far that has been found to be rounding [J]
-        self._began = time.perf_counter()
-
-    def begin(self) -> None:
-        """Compiling has ended, and computing begins."""
-        self._began = time.perf_counter()
+        self.late = False  # whether the budget has ended the run
 
     def advance(self, run: Run, n_steps: int) -> str:
         """Make up to n_steps steps of the run; empty, or why it cannot go on."""
-        if n_steps and self._seconds is not None and time.perf_counter() - self._began > self._seconds:
-            return f"{TOO_LATE} {self._seconds:g} s is over"
         if not self._growth:
             return advance(run, n_steps)
         message = advance(run, 0)
@@ -46,6 +38,11 @@ class Limits:
                 break
             message = advance(run, 1) or self._grown(run)
         return message
+
+    def spent(self, run: Run) -> str:
+        """That the run has computed for too long; empty where it has not, or has come to its end."""
+        self.late = not run.finished and self._budget.is_spent
+        return f"{TOO_LATE} {self._budget.seconds:g} s of computing is spent" if self.late else ""
 
     def _grown(self, run: Run) -> str:
         """Why the energy created so far is too much; empty if it is not."""

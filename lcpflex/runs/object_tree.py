@@ -33,8 +33,8 @@ Arrays = dict[str, npt.NDArray[Any]]
 
 MODULES = re.compile(r"lcpflex(\.(?!_)\w+)+|scipy\.integrate\._ivp\.(radau|bdf)")  # of objects that are kept
 CLASSES = {"Radau": "scipy.integrate", "BDF": "scipy.integrate"}
-# of packed tuples: addresses of functions in this process, and laws, which follow from the scene
-CONSTANT = {"kinds", "parameters", "address"}
+# of packed tuples: addresses of functions and the pulse of this process, and laws, which follow from the scene
+CONSTANT = {"kinds", "parameters", "address", "beats"}
 # objects that belong to the scene or to the user: they are as the scene makes them again
 LIVE = {"System", "Model", "CompiledFunction", "OwnFunction", "LawRow", "Support"}
 CACHES = {("Sampling", "_known")}  # attributes that are made again where they are missing

@@ -11,7 +11,7 @@ from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.problem_log import RecordProblems
 from lcpflex.results.stored_instants import DENSE
 
-__all__ = ["checked_request"]
+__all__ = ["checked_budget", "checked_request"]
 
 INSTANTS = 1000  # stored when no interval is asked for
 MOST_STEPS = 1e12  # of fixed length: weeks of computing
@@ -48,6 +48,11 @@ def checked_request(
     if not (record_problems is None or isinstance(record_problems, RecordProblems)):
         raise ModelError(f"record_problems: {shown(record_problems)} was given, expected RecordProblems(path), or None")
     return span, interval, optional_flag("progress", progress), flag("project", project)
+
+
+def checked_budget(budget: Any) -> float | None:
+    """Seconds of computing that a run may take; None for any."""
+    return None if budget is None else in_range("budget", budget, 0.0, math.inf, open_ends=True)
 
 
 def _interval(record: Any, span: float, stepper: Any) -> float:

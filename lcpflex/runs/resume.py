@@ -12,6 +12,7 @@ from lcpflex.dynamics.time_structure import with_signals
 from lcpflex.errors import ModelError, shown
 from lcpflex.runs.checkpoint import Checkpoint, Checkpoints, given_again, read
 from lcpflex.runs.object_tree import Arrays
+from lcpflex.runs.request import checked_budget
 from lcpflex.runs.setup import Options, Stepper, compiled_for, set_up
 from lcpflex.runs.simulate import carry_out
 from lcpflex.runs.stamp import difference, functions_of, made, plain, scene_node, stepper_node
@@ -32,6 +33,7 @@ def resume(
     *,
     progress: bool | None = None,
     record_problems: RecordProblems | None = None,
+    budget: float | None = None,
 ) -> Result:
     """Go on with a run that ``simulate(..., checkpoint=path)`` began, and end with the bits it would have ended with.
 
@@ -51,6 +53,8 @@ def resume(
         As for :func:`simulate`.
     record_problems
         To be given again where the run records contact problems, with a path for this file.
+    budget
+        As for :func:`simulate`, of this part of the run.
 
     Returns
     -------
@@ -66,7 +70,7 @@ def resume(
     StepError
         As of :func:`simulate`.
     """
-    progress = optional_flag("progress", progress)
+    progress, budget = optional_flag("progress", progress), checked_budget(budget)
     kept = read(path)
     notes = _versions(kept)
     given = _stepper(kept, stepper)
@@ -78,7 +82,7 @@ def resume(
         raise ModelError(f"record_problems: {shown(record_problems)} was given, expected {wanted}")
     source = _source(kept, scene, given, options)
     setup = set_up(source, given, replace(options, notes=(*options.notes, *notes)), record_problems)
-    return carry_out(setup, progress, Checkpoints(path, options.every), kept)
+    return carry_out(setup, progress, Checkpoints(path, options.every), kept, budget)
 
 
 def _versions(kept: Checkpoint) -> tuple[str, ...]:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.basics.progress import progress_bar
-from lcpflex.basics.stopwatch import Stopwatch
+from lcpflex.basics.progress import Progress
+from lcpflex.basics.pulse import beating
+from lcpflex.basics.stopwatch import Budget, Stopwatch
 from lcpflex.checks.axial_loads import with_axial_loads
 from lcpflex.checks.damping_in_time import ringing_dampers
 from lcpflex.checks.kept_depth import kept_depths
@@ -38,9 +39,10 @@ from lcpflex.runs.checkpoint import Checkpoints
 from lcpflex.runs.initial_state import began_wrong, started_from
 from lcpflex.runs.limits import Limits
 from lcpflex.runs.page_result import touching_points, with_creep
-from lcpflex.runs.request import checked_request
+from lcpflex.runs.request import checked_budget, checked_request
 from lcpflex.runs.setup import Options, Run, Setup, Stepper, compiled_for, set_up
 from lcpflex.runs.touched import told
+from lcpflex.runs.words import RunWords
 from lcpflex.statics.rest import Rest
 from lcpflex.steppers.law_run import friction_warnings
 
@@ -82,6 +84,7 @@ def simulate(
     initial: Result | Rest | None = None,
     checkpoint: str | os.PathLike[str] | None = None,
     every: float = 60.0,
+    budget: float | None = None,
 ) -> Result:
     """Advance ``scene`` over ``duration`` [s] with ``stepper``.
 
@@ -98,7 +101,10 @@ def simulate(
         Time between stored instants [s]; a thousandth of the duration by default, and never less than a step; 0 stores
         each step. "dense": all that :meth:`Result.at` needs, each step and with ``EventDriven`` its middle, too.
     progress
-        Show a progress bar; by default on a terminal, once the run has lasted two seconds.
+        Show a progress bar. By default on a terminal, once the run has lasted two seconds; elsewhere a line a minute
+        tells how far the run has come, how fast it goes and, of an event-driven one, which contact makes most events:
+        by the logger ``lcpflex`` at level INFO, or on stderr where logging is not set up. False: no bar, and lines by
+        the logger alone.
     project
         Move an initial state that violates joints onto them, and push bodies that penetrate each other apart, instead
         of refusing it: the least motion in the mass metric M + (1000 / omega_1)^2 K, in which bodies deform only where
@@ -120,11 +126,15 @@ def simulate(
         Time between checkpoints in seconds of the clock on the wall; at most that much work is lost. It is stretched,
         with a warning, where writing would take more than 2 % of the time: a checkpoint holds all that was recorded
         so far, and is as large.
+    budget
+        Seconds of computing, compilation not counted, after which the run ends where it is: None for any. A step that
+        is under way is finished, and with ``checkpoint`` the file is written, from which ``resume`` goes on.
 
     Returns
     -------
     Result
-        Complete, or up to an interruption by Ctrl-C, marked incomplete.
+        Complete; or up to an interruption by Ctrl-C, or to where its budget was spent, marked incomplete, with a
+        message that tells at which time and why.
 
     Raises
     ------
@@ -145,10 +155,11 @@ def simulate(
         every = in_range("every", every, 0.0, float("inf"))
         wrong = began_wrong(initial)
         options = Options(duration, interval, project, energy_growth, notes, wrong, every, records_problems)
+        budget = checked_budget(budget)
         keeper = None if checkpoint is None else Checkpoints(checkpoint, every)
         if keeper is not None:
             keeper.refuse_others()
-        return carry_out(set_up(source, stepper, options, record_problems), progress, keeper)
+        return carry_out(set_up(source, stepper, options, record_problems), progress, keeper, budget=budget)
 
 
 def given_up_after(
@@ -162,7 +173,8 @@ def given_up_after(
     """What :func:`simulate` returns, without a progress bar; StepError after so many seconds of computing."""
     duration, interval, _, _ = checked_request(duration, stepper, record, False, False, energy_growth, None)
     options = Options(duration, interval, False, energy_growth)
-    return carry_out(set_up(compiled_for(scene, stepper, False), stepper, options, None), False, seconds=seconds)
+    setup = set_up(compiled_for(scene, stepper, False), stepper, options, None)
+    return carry_out(setup, False, budget=seconds, fails=True)
 
 
 def carry_out(
@@ -170,9 +182,11 @@ def carry_out(
     progress: bool | None = None,
     keeper: Checkpoints | None = None,
     kept: Checkpoint | None = None,
-    seconds: float | None = None,
+    budget: float | None = None,
+    fails: bool = False,
 ) -> Result:
-    """Make the run to its end: from its beginning, or from a checkpoint ``kept`` of it, for ``seconds`` at most.
+    """Make the run to its end: from its beginning, or from a checkpoint ``kept`` of it, or until its ``budget`` [s] is
+    spent, which is an error if it ``fails`` then.
 
     Raises ModelError where the checkpoints of ``keeper`` cannot be written, and StepError as ``simulate`` does.
     """
@@ -181,25 +195,26 @@ def carry_out(
     clock = Stopwatch()
     run = setup.run()
     errs = options.energy_growth is EnergyGrowth.ERROR
-    limits = Limits(_growth_cause(stepper, system) if errs else "", seconds)
+    limits = Limits(_growth_cause(stepper, system) if errs else "", Budget(budget, clock))
     spent = (0.0, 0.0)
     message: str = ""
     cause: Exception | None = None
     if kept is not None:
         spent = kept.restore(setup, run)
     else:  # compiles, or loads from the cache; a loop in Python does so when it comes to a kernel
-        message, cause = _guarded(run, limits, 1 if system.hooks else 0)
+        with Progress(progress, lambda: "compiling or loading kernels", what="simulate", bar=False):
+            message, cause = _guarded(run, limits, 1 if system.hooks else 0)
     clock.started()
     if keeper is not None:
         keeper.begin(setup, run, clock, spent, kept is not None)
     interrupted = False
     if not message:
         try:
-            message, cause = _advance_all(run, limits, options.duration, progress, keeper)
+            message, cause = _advance_all(setup, run, limits, progress, keeper)
         except KeyboardInterrupt:
             interrupted = True
     if keeper is not None:
-        keeper.end(interrupted or not message)
+        keeper.end(interrupted or limits.late or not message)
     try:
         error = setup.sensing.finish(run.records)
     except KeyboardInterrupt:
@@ -209,8 +224,10 @@ def carry_out(
         message, cause = str(error), error
     computing, loading = clock.ended()
     timing = (spent[0] + computing, spent[1] + loading)
-    note = f"interrupted at t = {run.time:.6g} s" if interrupted else message or "ran to the end"
     complete = not (message or interrupted)
+    note = "interrupted" if interrupted else message or "ran to the end"
+    if interrupted or limits.late:
+        note += f" at t = {run.time:.6g} s"
     result = _collect(setup, run, timing, note, complete)
     result = replace(result, warnings=(*result.warnings, *unresolved(result), *rebounds(result), *kept_depths(result)))
     result = with_axial_loads(_with_shared_bodies(result, getattr(run, "fixed_step", 0.0)))
@@ -221,7 +238,7 @@ def carry_out(
         result = replace(result, warnings=(*result.warnings, *ringing_dampers(result, step, stepper)))
     if problem_log is not None:
         result = _save_problems(problem_log, result)
-    if message:
+    if message and (fails or not limits.late):
         from lcpflex.checks.blocked_drives import blocked_drives  # which runs that end well do without
 
         touching = tuple(setup.contact_name(k) for k in run.touching)
@@ -279,16 +296,17 @@ def _guarded(run: Run, limits: Limits, n_steps: int) -> tuple[str, Exception | N
 
 
 def _advance_all(
-    run: Run, limits: Limits, duration: float, progress: bool | None, keeper: Checkpoints | None
+    setup: Setup, run: Run, limits: Limits, progress: bool | None, keeper: Checkpoints | None
 ) -> tuple[str, Exception | None]:
     """Advance in chunks of about CHUNK_SECONDS until the end."""
-    words = "{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]"
-    bar = progress_bar(progress, total=duration, initial=run.time, unit="s", bar_format=words)
+    duration = setup.options.duration
+    bar_format = "{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]"
+    words = RunWords(run, duration, setup.contact_name)
+    bar = Progress(progress, words, what="simulate", total=duration, initial=run.time, unit="s", bar_format=bar_format)
     chunk = 16
-    limits.begin()
-    with bar:
+    with beating(), bar:
         while not run.finished:
-            began = time.perf_counter()
+            began, before = time.perf_counter(), run.steps
             if keeper is not None:
                 keeper.chunk_begins()
             message, cause = _guarded(run, limits, chunk)
@@ -297,8 +315,11 @@ def _advance_all(
             if keeper is not None:
                 keeper.chunk_ends()
             bar.update(run.time - bar.n)
+            if message := limits.spent(run):
+                return message, None
             spent = time.perf_counter() - began
-            chunk = max(1, min(2 * chunk, int(chunk * CHUNK_SECONDS / max(spent, 1e-9))))
+            made = max(1, run.steps - before)  # fewer than asked for where they are slow
+            chunk = max(1, min(2 * chunk, int(made * CHUNK_SECONDS / max(spent, 1e-9))))
     return "", None
 
 

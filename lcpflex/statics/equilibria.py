@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from time import perf_counter
+from dataclasses import replace
 
 import numpy as np
 
-from lcpflex.basics.arguments import absent, sequence_of, whole_number
+from lcpflex.basics.arguments import absent, optional_flag, sequence_of, whole_number
+from lcpflex.basics.progress import Progress
+from lcpflex.basics.stopwatch import budgeted
 from lcpflex.errors import ModelError, SolverError, in_range
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.planar import N_RIGID
@@ -40,6 +42,7 @@ def equilibria(
     reach: float | None = None,
     most: int = 16,
     budget: float = 600.0,
+    progress: bool | None = None,
 ) -> tuple[Rest, ...]:
     """List places where ``scene`` rests: that of :func:`lcpflex.equilibrium`, and those found from it by pushing.
 
@@ -65,17 +68,24 @@ def equilibria(
     most
         How many places are looked for at most.
     budget
-        Seconds of computing after which no other place is looked for; what has been found is returned.
+        Seconds of computing, compilation not counted, after which no other place is looked for; what has been found is
+        returned.
+    progress
+        Count pushes on a terminal, after two seconds, and elsewhere tell in a line a minute how many are done and what
+        they found: see :func:`lcpflex.simulate`.
 
     Returns
     -------
     tuple of Rest
-        That from the start first, each different from all others; of one alone if no push finds another.
+        That from the start first, each different from all others; of one alone if no push finds another. What was found
+        before Ctrl-C, too. Where that, or the budget, ended the search, the warnings of the first one say so.
 
     Raises
     ------
     ModelError
         As for :func:`lcpflex.equilibrium`; for names that are no bodies, a ``reach`` or ``most`` out of range.
+    KeyboardInterrupt
+        After Ctrl-C before the first place was found.
     SolverError
         Where the scene does not come to rest from its start. Pushes after which it does not are passed over.
 
@@ -83,20 +93,56 @@ def equilibria(
     -----
     Six pushes a body and place, each of ten steps a length of the smallest body: seconds for a few bodies.
     """
-    problem, path = stated(scene, initial, farthest, time, budget)
-    chosen = _bodies(problem, bodies)
-    if reach is not None:
-        reach = in_range("reach", reach, 0.0, math.inf, open_ends=True)
-    most = whole_number("most", most, 1)
-    found = [come_to_rest(problem, path)]
-    for rest in found:  # which grows
-        for row, way in _pushes(problem, rest, chosen, reach):
-            if len(found) >= most or perf_counter() > problem.until:
-                return tuple(found)
-            new = _behind(problem, rest, row, way, found)
-            if new is not None:
-                found.append(new)
-    return tuple(found)
+    with budgeted(in_range("budget", budget, 0.0, math.inf, open_ends=True)) as allowed:
+        problem, path = stated(scene, initial, farthest, time, allowed)
+        chosen = _bodies(problem, bodies)
+        if reach is not None:
+            reach = in_range("reach", reach, 0.0, math.inf, open_ends=True)
+        most = whole_number("most", most, 1)
+        progress = optional_flag("progress", progress)
+        found: list[Rest] = []
+
+        def words() -> str:
+            return f"{bar.n:g} pushes done, {len(found)} place{'' if len(found) == 1 else 's'} found"
+
+        with Progress(progress, words, what="equilibria", unit="push", leave=False) as bar:
+            ended = _search(problem, path, chosen, reach, most, found, bar)
+            if ended:
+                told = f"equilibria: {ended}, after {words()}: more places may be left"
+                found[0] = replace(found[0], warnings=(*found[0].warnings, told))
+        return tuple(found)
+
+
+def _search(
+    problem: Problem,
+    path: Path,
+    bodies: list[int],
+    reach: float | None,
+    most: int,
+    found: list[Rest],
+    bar: Progress,
+) -> str:
+    """Add places to ``found`` until there are as many as asked for, or no push finds another; else why it ended.
+
+    Raises KeyboardInterrupt where there is none yet.
+    """
+    try:
+        found.append(come_to_rest(problem, path))
+        for rest in found:  # which grows
+            for row, way in _pushes(problem, rest, bodies, reach):
+                if len(found) >= most:
+                    return ""
+                new = _behind(problem, rest, row, way, found)
+                if problem.budget.is_spent:
+                    return f"the budget of {problem.budget.seconds:g} s of computing is spent"
+                if new is not None:
+                    found.append(new)
+                bar.update()
+    except KeyboardInterrupt:
+        if not found:
+            raise
+        return "interrupted"
+    return ""
 
 
 def _bodies(problem: Problem, names: Sequence[str] | None) -> list[int]:
@@ -151,7 +197,7 @@ def _let_go(problem: Problem, rest: Rest, row: FloatArray, way: float) -> Iterat
         path = Path(balance, scales, rest.q.copy(), rest.trace.multipliers)
         resisted = False
         for _ in range(MOST_PUSHES):
-            if not path.advance(problem.until):
+            if not path.advance(problem.budget):
                 break
             here = path.station
             off = abs(float(here.at.phi[-1]))

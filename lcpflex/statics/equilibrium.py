@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from time import perf_counter
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from lcpflex.basics.arguments import listed
+from lcpflex.basics.arguments import listed, optional_flag
+from lcpflex.basics.progress import Progress
+from lcpflex.basics.stopwatch import Budget, budgeted
 from lcpflex.checks.axial_loads import axial_loads_at
 from lcpflex.compile.compilation import compiled_scene
 from lcpflex.compile.compiled_scene import CompiledScene
@@ -44,6 +45,7 @@ def equilibrium(
     farthest: float | None = None,
     time: float | None = None,
     budget: float = 600.0,
+    progress: bool | None = None,
 ) -> Rest:
     """Find where ``scene`` rests: with its joints, springs, loads and rigid contacts, its flexible bodies bent.
 
@@ -71,7 +73,10 @@ def equilibrium(
         Time [s] at which loads and drives are taken, each drive held where it is then. By default those of t = 0, and
         a drive that moves there is an error.
     budget
-        Seconds of computing after which the search is given up, as soon as a step is done.
+        Seconds of computing, compilation not counted, after which the search is given up, as soon as a step is done.
+    progress
+        Count steps on a terminal, after two seconds, and elsewhere tell the state in a line a minute: see
+        :func:`lcpflex.simulate`.
 
     Returns
     -------
@@ -94,8 +99,9 @@ def equilibrium(
     places. A body on which nothing larger than 1e-13 of the largest force acts rests wherever it is.
     Sources: Moreau 1988 (steps); Josephy 1979 (Newton's method for inclusions); Lawson & Hanson 1974 (least forces).
     """
-    problem, path = stated(scene, initial, farthest, time, budget)
-    return come_to_rest(problem, path)
+    with budgeted(in_range("budget", budget, 0.0, math.inf, open_ends=True)) as allowed:
+        problem, path = stated(scene, initial, farthest, time, allowed)
+        return come_to_rest(problem, path, optional_flag("progress", progress))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,16 +112,13 @@ class Problem:
     balance: Balance
     scales: Scales
     farthest: float  # [m]
-    budget: float  # [s]
-    until: float  # of the clock [s]
+    budget: Budget
 
 
 def stated(
-    scene: Scene, initial: Result | Rest | None, farthest: float | None, time: float | None, budget: float
+    scene: Scene, initial: Result | Rest | None, farthest: float | None, time: float | None, budget: Budget
 ) -> tuple[Problem, Path]:
     """What :func:`equilibrium` is asked, checked, with a path that begins where it says."""
-    seconds = in_range("budget", budget, 0.0, math.inf, open_ends=True)
-    until = perf_counter() + seconds
     compiled = _compiled(scene)
     q = _start(compiled, initial)
     held = 0.0 if time is None else in_range("time", time, -math.inf, math.inf)
@@ -125,25 +128,32 @@ def stated(
         _refuse_moving_drives(balance, scales.size, q)
     limit = FAR * scales.size if farthest is None else in_range("farthest", farthest, 0.0, math.inf, open_ends=True)
     path = Path(balance, scales, q, initial.trace.multipliers if isinstance(initial, Rest) else None)
-    return Problem(compiled, balance, scales, limit, seconds, until), path
+    return Problem(compiled, balance, scales, limit, budget), path
 
 
-def come_to_rest(problem: Problem, path: Path) -> Rest:
+def come_to_rest(problem: Problem, path: Path, progress: bool | None = False) -> Rest:
     """The place of rest at the end of a path. Raises SolverError where there is none."""
     compiled, balance, scales, limit = problem.compiled, problem.balance, problem.scales, problem.farthest
-    for step in range(MOST_STEPS):
+
+    def words() -> str:
         here = path.station
-        if here.residual <= NEAR:
-            found = rest_at(compiled, balance, scales, path, step)
-            if found is not None and (found.stable or here.residual <= THERE):
-                return _with_axial_loads(found, balance.time)
-            path.back()
-        if here.travelled > limit:
-            raise _restless(path, compiled, f"it does not come to rest within farthest = {limit:.4g} m")
-        if not path.advance(problem.until):
-            if perf_counter() > problem.until:
-                raise _unfinished(problem, path, step)
-            raise _restless(path, compiled, "no step of its path could be made", False)
+        return f"step {bar.n:g}, moved {here.travelled:.3g} m, unbalanced {here.residual:.2g} of the forces that act"
+
+    with Progress(progress, words, what="equilibrium", unit="step", leave=False) as bar:
+        for step in range(MOST_STEPS):
+            here = path.station
+            if here.residual <= NEAR:
+                found = rest_at(compiled, balance, scales, path, step)
+                if found is not None and (found.stable or here.residual <= THERE):
+                    return _with_axial_loads(found, balance.time)
+                path.back()
+            if here.travelled > limit:
+                raise _restless(path, compiled, f"it does not come to rest within farthest = {limit:.4g} m")
+            if not path.advance(problem.budget):
+                if problem.budget.is_spent:
+                    raise _unfinished(problem, path, step)
+                raise _restless(path, compiled, "no step of its path could be made", False)
+            bar.update()
     raise _restless(path, compiled, f"it does not come to rest within {MOST_STEPS} steps", False)
 
 
@@ -225,7 +235,7 @@ def _unfinished(problem: Problem, path: Path, steps: int) -> SolverError:
     """What to raise where the time is up."""
     here = path.station
     return SolverError(
-        f"equilibrium: not at rest within budget = {problem.budget:g} s and {steps} steps (unbalanced "
+        f"equilibrium: not at rest within budget = {problem.budget.seconds:g} s and {steps} steps (unbalanced "
         f"{here.residual:.2g} of the forces that act): {len(here.at.q)} coordinates and {here.at.n_contacts} near "
         "contacts; expected a larger budget, a smaller scene, or initial=, a result that has settled"
     )

@@ -19,11 +19,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from time import perf_counter
 from typing import TypeAlias
 
 import numpy as np
 
+from lcpflex.basics.progress import look
+from lcpflex.basics.stopwatch import Budget
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.auto import Auto
@@ -86,8 +87,8 @@ class Path:
         self._slip = Slip(balance, known is not None)
         self._solver = Auto(budget=SOLVING)
 
-    def advance(self, until: float = math.inf) -> bool:
-        """One step; False where none can be made, or the clock is beyond ``until`` [s]."""
+    def advance(self, budget: Budget | None = None) -> bool:
+        """One step; False where none can be made, or the budget is spent."""
         here = self.station
         M = mass_matrix(self.balance.model, here.at.q)
         K = tangent_stiffness(self.balance, self.scales, here.at.q, here.p)
@@ -101,7 +102,8 @@ class Path:
         slid = self._slip.so_far(here.at)
         part, before = 1.0, math.inf  # of overlaps, as much as is closed in the step
         for _ in range(100):
-            if perf_counter() > until:
+            look()
+            if budget is not None and budget.is_spent:
                 return False
             found = self._step(here, M, K, slid, part, alpha)
             if found is None and self.balance.push is not None:

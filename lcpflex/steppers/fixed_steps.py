@@ -29,9 +29,10 @@ __all__ = ["FixedSteps", "advance"]
 def advance(model: Model, clock: StepCount, scheme: Any, work: Workspace, recorder: Recorder, last: int) -> int:
     """Steps until there are ``last`` of them, from a state that is stored where it is due.
 
-    Returns DONE, or why the next step or record could not be made; the state is then that of the last whole step or
-    part of one (but NOT_FINITE).
+    Returns DONE, PAUSE after a while, or why the next step or record could not be made; the state is then that of the
+    last whole step or part of one (but NOT_FINITE).
     """
+    beats = recorder.beats[0]
     if scheme.step != clock.length:
         set_length(scheme, clock.length)
     while True:
@@ -48,6 +49,8 @@ def advance(model: Model, clock: StepCount, scheme: Any, work: Workspace, record
                 clock.stored = clock.steps
             if clock.steps >= last:
                 return RunStatus.DONE
+            if recorder.beats[0] != beats:  # as DONE, with the present instant stored: samples disturb its forces
+                return RunStatus.PAUSE
         clock.step_taken = clock.length
         status = take_step(model, scheme, t, work, recorder, clock)
         if status == RunStatus.DONE:
@@ -143,7 +146,8 @@ class FixedSteps:
         clock.stride = clock.last = UNSTORED
         while True:
             status = self._loop(1 + count)
-            if status != RunStatus.PASSED:  # what may have passed through something is looked at in the run itself
+            # what may have passed through something is looked at in the run itself
+            if status not in (RunStatus.PASSED, RunStatus.PAUSE):
                 return status
 
     def make_room(self, contacts: int) -> None:

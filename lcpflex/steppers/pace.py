@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import sys
+import logging
 
+from lcpflex.basics.progress import tell
 from lcpflex.steppers.adaptive import Limits
 from lcpflex.steppers.clock import StepClock
 
@@ -35,7 +36,7 @@ class Pace:
             return
         if now[2] - self._seen[2] > MOSTLY * made and self._stuck is None:
             self._stuck = self._seen[0]
-            print(f"lcpflex: {self._clause(self._stuck)}", file=sys.stderr, flush=True)
+            tell(self._clause(self._stuck), logging.WARNING)
         self._seen = now
 
     def _clause(self, since: float) -> str:

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from lcpflex.basics.pulse import BEATS
 from lcpflex.contact.detection import RIGID, ContactTable, detect
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
@@ -121,6 +122,7 @@ class Recorder:
     total_impulse: FloatArray = array("laws", "sums")
     now_force: FloatArray = array("laws", "sums")
     now_state: IntArray = array("laws")
+    beats: IntArray  # (1,) see lcpflex.basics.pulse
 
 
 SpatialRecorder = spatial(Recorder)
@@ -172,6 +174,7 @@ def recorder(
         counts=allocate(Counts, {}),
         reactions=reactions,
         rates=rates,
+        beats=BEATS,
     )
 
 

@@ -29,7 +29,7 @@ class Method(Protocol):
         """Declared contacts of the last contact problem or evaluation, each at least once."""
 
     def loop(self, target: int) -> int:
-        """Steps until there are ``target`` of them or the duration is reached; a status."""
+        """Steps until there are ``target`` of them or the duration is reached, or for a while; a status."""
 
     def make_room(self, number: int) -> None:
         """Larger tables."""
@@ -88,27 +88,36 @@ class Run:
     def advance(self, n_steps: int) -> str:
         """Make up to ``n_steps`` steps, some of them sampled; empty, or why the run cannot go on.
 
-        A sample that begins among these steps is made as a whole, be they fewer: which steps are sampled, and with it
-        the result, must not depend on how many are made at a time.
+        Fewer where they take long: it returns a few times a second (:mod:`lcpflex.basics.pulse`). A sample that begins
+        among these steps is made as a whole, be they fewer: which steps are sampled, and with it the result, must not
+        depend on how many are made at a time.
         """
         last, sampling = self.steps + n_steps, self.records.sampling
         try:
             while sampling and sampling.ahead - 1.0 < last:
-                message = self._to(int(sampling.ahead) - 1) or sampling.sample(self)
+                before = int(sampling.ahead) - 1
+                message = self._towards(before)
+                if message or self.finished or self.steps < before:
+                    return message
+                message = sampling.sample(self)
                 if message or self.finished:
                     return message
-            return self._to(max(last, self.steps))
+            return self._towards(max(last, self.steps))
         finally:  # of an interrupted run, too
             self.records.warnings[:], self.records.notes[:] = self.method.remarks()
 
     def make(self, n_steps: int) -> str:
         """Make ``n_steps`` steps, none of them sampled; empty, or why the run cannot go on."""
-        return self._to(self.steps + n_steps)
+        target = self.steps + n_steps
+        while not (message := self._towards(target)) and self.steps < target and not self.finished:
+            pass
+        return message
 
-    def _to(self, target: int) -> str:
+    def _towards(self, target: int) -> str:
+        """Steps until there are ``target`` of them, or for a while."""
         while True:
             status = self.method.loop(target)
-            if status == RunStatus.DONE:
+            if status in (RunStatus.DONE, RunStatus.PAUSE):
                 return ""
             if message := remedied(self.method, status):
                 return message

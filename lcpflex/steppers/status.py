@@ -34,6 +34,7 @@ class RunStatus(IntEnum):
     # the run has something to do before the loop goes on
     PASSED = 5  # a body may have passed through another one
     CALM = 6  # raised thresholds are to be lowered
+    PAUSE = 19  # the loop has run for a while: see lcpflex.basics.pulse
     # the loop cannot go on as it is
     SOLVER_FAILED = 7, "a velocity or force of the contact problem is no finite number"  # else the solver is asked why
     NOT_FINITE = 8, "the state is no longer finite: the step is too long for the forces of this scene"

@@ -130,15 +130,19 @@ def advance(
     recorder: Recorder,
     last_step: int,
 ) -> int:
-    """Steps until their number reaches ``last_step`` or the duration is reached; DONE, or what is missing.
+    """Steps until their number reaches ``last_step`` or the duration is reached; DONE, PAUSE after a while, or what is
+    missing.
 
     A step that could not be finished goes on, at the next call, where it stopped.
     """
+    beats = recorder.beats[0]
     while True:
         if clock.part == FRESH:
             status = store_due(model, limits, clock, scheme, work, recorder)
             if status != RunStatus.DONE or clock.time >= limits.duration or clock.steps >= last_step:
                 return status
+            if recorder.beats[0] != beats:
+                return RunStatus.PAUSE
             begin(model, limits, clock, scheme, kept, work, recorder)
         part, h = clock.part, clock.tried
         now = clock.time + (scheme.step if part == SECOND else 0.0)

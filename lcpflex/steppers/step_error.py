@@ -40,7 +40,7 @@ GOLDEN = 0.6180339887498949
 ORDER = 4.0 / 3.0  # local error over the difference: of order 2; a third less than that of order 1
 SUDDEN = 2.0  # times the impulse of the step before: more is an impact
 # of a recorder: not written while no instant is stored; never written; written anew in each step, or by error control
-UNTOUCHED = {*FIELDS, "points", "thickness", "deflection", "table", "before", "after", "free", "local"}
+UNTOUCHED = {*FIELDS, "points", "thickness", "deflection", "table", "before", "after", "free", "local", "beats"}
 
 
 class Units:

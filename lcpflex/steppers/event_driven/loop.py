@@ -218,17 +218,21 @@ def finite(memory: EventMemory) -> bool:
 def advance(
     model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, recorder: Recorder, last_step: int
 ) -> int:
-    """Steps until their number is ``last_step`` or the duration is reached; DONE, or what is missing.
+    """Steps until their number is ``last_step`` or the duration is reached.
 
-    Calling again goes on.
+    DONE, PAUSE after a while, or what is missing. Calling again goes on.
     """
+    beats = recorder.beats[0]
     q = memory.y[: memory.nq]
     u = memory.y[memory.nq : memory.nq + len(memory.u)]
     while True:
         phase = memory.phase
         ended = phase == STEPPING and memory.time >= settings.duration
-        if ended or (phase in (STEPPING, BEFORE, AFTER) and memory.steps >= last_step):
+        between = phase in (STEPPING, BEFORE, AFTER)
+        if ended or (between and memory.steps >= last_step):
             return RunStatus.DONE
+        if between and recorder.beats[0] != beats:
+            return RunStatus.PAUSE
         if phase in (BEFORE, AFTER, EMITTING):
             t = memory.time
             if phase == EMITTING:

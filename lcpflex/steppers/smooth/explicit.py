@@ -217,13 +217,19 @@ def renew_history(model: Model, work: Workspace, memory: SmoothMemory) -> int:
 def advance(
     model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory, recorder: Recorder, last_step: int
 ) -> int:
-    """Runge-Kutta steps until their number is ``last_step`` or the duration is reached; DONE, or what is missing."""
+    """Runge-Kutta steps until their number is ``last_step`` or the duration is reached.
+
+    DONE, PAUSE after a while, or what is missing.
+    """
+    beats = recorder.beats[0]
     while True:
         phase = memory.phase
         status: int = RunStatus.DONE
         if phase == STEPPING:
             if memory.time >= settings.duration or memory.steps >= last_step:
                 return RunStatus.DONE
+            if recorder.beats[0] != beats:
+                return RunStatus.PAUSE
             status = step(model, settings, work, memory)
             memory.phase = EMITTING if status == RunStatus.DONE else STEPPING
         elif phase == CLOSING:
@@ -329,6 +335,7 @@ def advance_fixed(
 
     Stores the start, each ``stride``-th step and the end.
     """
+    beats = recorder.beats[0]
     while True:
         if memory.phase != STEPPING:
             status = renew_history(model, work, memory)
@@ -344,6 +351,8 @@ def advance_fixed(
             memory.stored = memory.steps + 1
         if ended or memory.steps >= last_step:
             return RunStatus.DONE
+        if recorder.beats[0] != beats:
+            return RunStatus.PAUSE
         set_out(memory.y[: memory.nq], recorder)
         status = step_fixed(model, settings, work, memory)
         if status == RunStatus.DONE:

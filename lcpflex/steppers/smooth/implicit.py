@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import BDF, Radau
 
+from lcpflex.basics.pulse import BEATS
 from lcpflex.dynamics.acceleration import project
 from lcpflex.dynamics.contact_forces_history import has_begun, note_depths
 from lcpflex.dynamics.instants import time_left
@@ -62,9 +63,15 @@ class ImplicitSteps:
         self._short = False  # whether the last step was to end where a contact begins, and has not got there
 
     def loop(self, target: int) -> int:
-        """Steps until there are ``target`` of them or the duration is reached; DONE, or why the run cannot go on."""
+        """Steps until there are ``target`` of them or the duration is reached.
+
+        DONE, PAUSE after a while, or why the run cannot go on.
+        """
+        beats = int(BEATS[0])
         status = RunStatus.DONE if self._ode is not None else self._begin()
         while status == RunStatus.DONE and self._clock.steps < target and not self._steps.finished:
+            if BEATS[0] != beats:
+                return RunStatus.PAUSE
             status = self._step()
         return status
 

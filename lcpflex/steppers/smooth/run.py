@@ -157,7 +157,7 @@ class SmoothSteps:
         try:
             while True:
                 status = self._advance(self.system.model, halved, self.work, self.clock, self.records.recorder, target)
-                if status != RunStatus.PASSED:
+                if status not in (RunStatus.PASSED, RunStatus.PAUSE):
                     return int(status)
         finally:
             self.work.span[:] *= 2.0

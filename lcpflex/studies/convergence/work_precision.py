@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from lcpflex.basics.arguments import optional_flag, positive, raised
-from lcpflex.basics.progress import progress_bar
+from lcpflex.basics.progress import Progress
 from lcpflex.bodies.body import whole_number
 from lcpflex.errors import LcpflexError, ModelError, in_range, shown
 from lcpflex.results.energy_balance import EnergyGrowth
@@ -109,7 +109,8 @@ def work_precision(
     energy_growth
         As in :func:`simulate`. A result that warns counts as failed.
     progress
-        Show a progress bar; by default on a terminal, after two seconds.
+        Show a progress bar; by default on a terminal, after two seconds, and elsewhere a line a minute: see
+        :func:`simulate`.
     varied
         Values for parameters of the functions that build the scenes, such as ``modes=[2, 4, 8]``. Each combination
         makes lines of its own; all are compared with the reference of the last combination.
@@ -143,15 +144,18 @@ def work_precision(
     )
     variants = _variants(varied)
     studies: list[SceneStudy] = []
-    for label, scene in named.items():
-        try:
-            studies.append(_study(request, label, scene, variants))
-        except KeyboardInterrupt:
-            if not studies:
-                raise
-            return WorkPrecision(tuple(studies), complete=False)
-        if not studies[-1].complete:
-            return WorkPrecision(tuple(studies), complete=False)
+    with Progress(request.progress, what="work_precision", total=len(named), unit="scene", bar=False) as whole:
+        for label, scene in named.items():
+            whole.at(label)
+            try:
+                studies.append(_study(request, label, scene, variants))
+            except KeyboardInterrupt:
+                if not studies:
+                    raise
+                return WorkPrecision(tuple(studies), complete=False)
+            if not studies[-1].complete:
+                return WorkPrecision(tuple(studies), complete=False)
+            whole.update()
     return WorkPrecision(tuple(studies))
 
 
@@ -308,9 +312,10 @@ def _all_methods(
     methods = request.methods or standard_methods(conditions.duration)
     series: dict[str, list[Trial]] = {}
     notes: list[str] = []
-    with progress_bar(request.progress, total=sum(map(len, methods.values())), unit="run", leave=False) as bar:
+    total = sum(map(len, methods.values()))
+    with Progress(request.progress, what="work_precision", total=total, unit="run", leave=False) as bar:
         for method, steppers in methods.items():
-            bar.set_postfix_str(method + suffix)
+            bar.at(method + suffix)
             found = run_series(conditions, steppers, bar.update)
             series[method + suffix] = found.trials
             if found.left_out:

@@ -16,7 +16,7 @@ from dataclasses import replace
 from typing import Any
 
 from lcpflex.basics.arguments import flag, optional_flag, positive, raised
-from lcpflex.basics.progress import progress_bar
+from lcpflex.basics.progress import Progress
 from lcpflex.errors import LcpflexError, ModelError, in_range, shown
 from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
 from lcpflex.studies.given_functions import is_stepper
@@ -91,7 +91,8 @@ def right_size(
         Run the full mesh where that is as cheap as to do without, and where no reduced run proves that another one is
         good enough. Else that is not proved, and the scene is the cheapest whose estimate is within the tolerance.
     progress
-        Show a progress bar; by default on a terminal, after two seconds.
+        Show a progress bar; by default on a terminal, after two seconds, and elsewhere a line a minute: see
+        :func:`simulate`.
 
     Returns
     -------
@@ -118,7 +119,7 @@ def right_size(
     attempts, own = _attempts(fidelities, span, getattr(scene, "stepper", None), stepper)
     spent = 0.0
     given_up: list[str] = []
-    with progress_bar(progress, unit="run", leave=False) as bar:
+    with Progress(progress, what="right_size", unit="run", leave=False) as bar:
         for k, make in enumerate(attempts):
             last = k + 1 == len(attempts)
             quick = QUICK * limit / SHORTER if k >= own and not last else None

@@ -32,7 +32,7 @@ import numpy as np
 
 from lcpflex.basics.arguments import WrongFunction, called, mapping_of, optional_flag, raised
 from lcpflex.basics.names import meant
-from lcpflex.basics.progress import progress_bar
+from lcpflex.basics.progress import Progress
 from lcpflex.errors import LcpflexError, ModelError, as_number, in_range, shown
 from lcpflex.results.result import Result
 from lcpflex.runs.simulate import given_up_after
@@ -110,7 +110,8 @@ def stability(
     record
         Time between stored instants [s], as in :func:`simulate`.
     progress
-        Show a progress bar; by default on a terminal, after two seconds.
+        Show a progress bar; by default on a terminal, after two seconds, and elsewhere a line a minute: see
+        :func:`simulate`.
 
     Returns
     -------
@@ -322,7 +323,7 @@ def _fill(
     errors, seconds = np.full(shape, np.nan), np.zeros(shape)
     known: dict[tuple[int, ...], Verdict] = {}
     labels = list(makers)
-    with progress_bar(progress, total=outcomes.size, unit="cell", leave=False) as bar:
+    with Progress(progress, what="stability", total=outcomes.size, unit="cell", leave=False) as bar:
         for place in np.ndindex(shape):
             method = makers[labels[place[0]]]
             values = {name: axes[name][i] for name, i in zip(axes, place[1:], strict=True)}

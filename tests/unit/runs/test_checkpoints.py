@@ -177,7 +177,7 @@ def test_a_run_that_is_killed_at_ten_random_instants(tmp_path: Path) -> None:
 
 
 def test_a_full_disk_is_told_once_and_loses_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     path = tmp_path / "run.npz"
     write, calls = np.savez, [0]
@@ -194,7 +194,7 @@ def test_a_full_disk_is_told_once_and_loses_nothing(
     monkeypatch.setattr(checkpoints, "SHARE", np.inf)
     monkeypatch.setattr(sys.modules["lcpflex.runs.simulate"], "CHUNK_SECONDS", 0.0)
     result = lf.simulate(heap(), 0.05, lf.MoreauJean(1e-3), checkpoint=path, every=0.0)
-    assert capsys.readouterr().err.count("No space left") == 1
+    assert caplog.text.count("No space left") == 1
     assert calls[0] > 3
     assert_same_bits(whole, result)
     assert [entry.name for entry in tmp_path.iterdir()] == ["run.npz"]
@@ -203,7 +203,7 @@ def test_a_full_disk_is_told_once_and_loses_nothing(
 
 
 def test_writing_takes_a_small_share_of_the_time(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     """Where it is slow, checkpoints are farther apart, and that is told once."""
     clock = [0.0]
@@ -226,7 +226,7 @@ def test_writing_takes_a_small_share_of_the_time(
     for _ in range(2000):
         keeper.chunk_begins()
         keeper.chunk_ends()
-    assert capsys.readouterr().err.count("a checkpoint takes 1 s") == 1
+    assert caplog.text.count("a checkpoint takes 1 s") == 1
     assert len(writes) / clock[0] < 0.0225
     assert len(writes) > 15
 

@@ -68,19 +68,20 @@ def test_a_threshold_below_zero_is_refused() -> None:
         lf.AdaptiveStep(velocity_threshold=-1.0)
 
 
-def test_a_run_that_comes_down_to_its_shortest_steps_says_so_while_it_runs(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_that_comes_down_to_its_shortest_steps_says_so_while_it_runs(caplog: pytest.LogCaptureFixture) -> None:
     pace = Pace(1e-9)
     clock = allocate(StepClock, {}, time=4.0637, steps=100_000, n_shortest=30)
     pace.update(clock)
     assert pace.warnings(clock) == []
-    assert capsys.readouterr().err == ""
+    assert caplog.text == ""
     clock.time, clock.steps, clock.n_shortest = 4.063701, 101_000, 980
     pace.update(clock)
-    said = capsys.readouterr().err
+    said = caplog.text
+    caplog.clear()
     assert "from t = 4.0637 s on, most steps were as short as allowed, 1e-09 s" in said
     assert pace.warnings(clock)[0] in said
     pace.update(clock)
-    assert capsys.readouterr().err == ""  # once
+    assert caplog.text == ""  # once
 
 
 def test_an_interrupted_run_has_its_warnings(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -164,7 +164,7 @@ def test_each_failure_has_its_name() -> None:
     outcome, message = one_cell(lambda stiffness: lf.MoreauJean(step=-stiffness))
     assert (outcome, message[:16]) == (Outcome.REFUSED, "step: -100.0 was")
     outcome, message = one_cell(lf.MoreauJean(step=1e-6), time_limit=1e-9)
-    assert (outcome, "time limit of 1e-09 s" in message) == (Outcome.TOO_SLOW, True)
+    assert (outcome, "budget of 1e-09 s" in message) == (Outcome.TOO_SLOW, True)
     assert one_cell(lambda stiffness: lf.MoreauJean(step=math.exp(10.0 * stiffness)))[0] is Outcome.DIVERGED
 
 
