@@ -37,8 +37,9 @@ def nothing(name: str, value: Any) -> FloatArray:
 
 def check_finite(name: str, array: FloatArray) -> None:
     """Refuse NaN and infinity, saying where."""
-    wrong = np.argwhere(~np.isfinite(array))
-    if len(wrong):
+    finite = np.isfinite(array)
+    if not finite.all():
+        wrong = np.argwhere(~finite)
         place = tuple(int(k) for k in wrong[0])
         raise ModelError(f"{name}[{', '.join(map(str, place))}] is {array[place]}: expected a finite number")
 

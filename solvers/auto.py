@@ -28,7 +28,7 @@ from lcpflex.solvers.contact.many import FACTORS, Search
 from lcpflex.solvers.contact.parts import solved_by_parts
 from lcpflex.solvers.contact.problem import ContactProblem, aligned
 from lcpflex.solvers.guard import ENDED, FAILED, guarded, joined
-from lcpflex.solvers.lcp.enumeration import LARGEST, Enumeration
+from lcpflex.solvers.lcp.enumeration import Enumeration
 from lcpflex.solvers.lcp.farkas import candidate
 from lcpflex.solvers.lcp.lemke import Lemke, lemke, pivot_budget
 from lcpflex.solvers.lcp.newton import MinMapNewton
@@ -36,13 +36,14 @@ from lcpflex.solvers.lcp.perturbed import PERTURBED, TRIALS, perturbed_newton
 from lcpflex.solvers.lcp.pivoting import block_pivots
 from lcpflex.solvers.lcp.principal_pivoting import PrincipalPivoting, principal_pivoting
 from lcpflex.solvers.lcp.proofs import FULL, exact_solution
+from lcpflex.solvers.lcp.repairing import repaired
 from lcpflex.solvers.lcp.tableau import EXTRA
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import NEARLY, Lcp, LcpSolver, PosedProblem, Problem, Solution, accept, confirmed
 from lcpflex.solvers.refusals import has_cones
 from lcpflex.solvers.status import SOLVED, Status
 
-__all__ = ["Auto", "auto", "auto_workspace", "solve_lcp"]
+__all__ = ["TARGET", "Auto", "auto", "auto_workspace", "solve_lcp"]
 
 FLIPS = 5  # exchanges after which a basis from elsewhere was no help
 TARGET = 1e-10  # residual of a solution
@@ -54,6 +55,8 @@ TOO_MANY = 3000  # unknowns from which no dense matrix is tried
 PROGRAM = "linear program of Farkas"
 EXACT = "search in whole numbers"
 SEARCH = 5e5  # entries that it may compute: a third of a second
+
+KEPT = (Status.INACCURATE, Status.RIGHT_TO_TERMS, Status.TIME_LIMIT)  # what a point is, whoever failed besides
 
 Step = tuple[str, Callable[[], Solution]]  # with its name in the route
 
@@ -90,7 +93,7 @@ def auto(
 
 def auto_workspace(capacity: int) -> tuple[FloatArray, IntArray]:
     """Work arrays (table, basis) of :func:`auto` for problems of up to ``capacity`` unknowns."""
-    return np.zeros((capacity + EXTRA, capacity + 1)), np.zeros(4 * capacity + 2, dtype=np.int64)
+    return np.zeros((capacity + EXTRA, capacity + 1)), np.zeros(4 * capacity + 3, dtype=np.int64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,15 +152,23 @@ class Auto:
         if first.settled:
             return first
         steps = self._last_steps(problem)
-        if LARGEST < problem.size <= FULL:
+        if problem.size <= FULL:  # up to LARGEST the enumeration asks it too, where floats find nothing
             steps.append((EXACT, lambda: self._exact(problem)))
         return _descend(problem, first, steps, self.tolerance)
 
     def _first(self, problem: Lcp, guess: Solution | None) -> Solution:
+        """By pivoting, and by exchanges row by row where that looked at the large rows alone."""
+        found = self._pivoted(problem, guess)
+        if found.settled:
+            return found
+        mended = repaired(problem, found, self.tolerance)
+        return found if mended is None else _after(found, mended)
+
+    def _pivoted(self, problem: Lcp, guess: Solution | None) -> Solution:
         """By the basis of the guess, else by principal pivoting where M is symmetric, and by Lemke."""
         if not problem.symmetric:
             return _lemke(self.tolerance).solve(problem, guess)
-        found = PrincipalPivoting(self.tolerance).solve(problem, guess)
+        found = _principal(self.tolerance).solve(problem, guess)
         if found.settled:
             return found
         steps: list[Step] = [("lemke", lambda: Lemke(self.tolerance).solve(problem))]
@@ -289,6 +300,7 @@ class Auto:
 
 
 _lemke = lru_cache(Lemke)  # its settings checked once
+_principal = lru_cache(PrincipalPivoting)
 
 
 def _descend(problem: Problem, first: Solution, steps: list[Step], tolerance: float) -> Solution:
@@ -300,12 +312,12 @@ def _descend(problem: Problem, first: Solution, steps: list[Step], tolerance: fl
             return expired(replace(best, route=joined(*tried), iterations=iterations))
         found = guarded(name, problem, tolerance, step)
         tried.append(found)
-        if found.settled or found.residual < best.residual:
+        if _is_better(found, best):
             best = found
         if found.settled:
             break
     route, iterations = joined(*tried), sum(found.iterations for found in tried)
-    if best.settled or best.status in (Status.INACCURATE, Status.TIME_LIMIT):
+    if best.settled or best.status in KEPT:
         return replace(best, route=route, iterations=iterations)
     names = " > ".join(name.removesuffix(FAILED) for found in tried for name in found.route.split(" > "))
     reasons = [f"{_words(first.status)}: nothing of {names} found a solution or proved that none is"]
@@ -314,6 +326,14 @@ def _descend(problem: Problem, first: Solution, steps: list[Step], tolerance: fl
         reasons.append(NEARLY)
     message = "; ".join(dict.fromkeys(reasons))
     return replace(best, status=first.status, route=route, iterations=iterations, message=message)
+
+
+def _is_better(found: Solution, best: Solution) -> bool:
+    """Whether one settles the problem, or is right to its terms and the other is not, or else has less left."""
+    if found.settled or best.settled:
+        return not best.settled
+    ranks = [one.status is Status.RIGHT_TO_TERMS for one in (found, best)]
+    return ranks[0] if ranks[0] != ranks[1] else found.residual < best.residual
 
 
 def _after(first: Solution, found: Solution) -> Solution:
@@ -325,10 +345,10 @@ def _after(first: Solution, found: Solution) -> Solution:
 def _best(first: Solution, found: Solution) -> Solution:
     """The same, at the point of the first where that one is better; why it is no solution is what the second says."""
     told = _after(first, found)
-    if found.settled or found.residual <= first.residual:
+    if not _is_better(first, found):
         return told
     kept = replace(first, route=told.route, iterations=told.iterations)
-    if first.status in (Status.INACCURATE, Status.TIME_LIMIT):
+    if first.status in KEPT:
         return kept
     return replace(kept, status=told.status, message=told.message)
 

@@ -18,9 +18,10 @@ import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
-__all__ = ["Units", "contact_units", "in_units", "lcp_units", "unknown_units"]
+__all__ = ["DEAD", "NOTHING", "Units", "contact_units", "in_units", "lcp_units", "unknown_units"]
 
 DEAD = 1e-13  # of the largest diagonal: a contact with less joins two bodies that are held, what is left is rounding
+NOTHING = 1e-31  # the same of a matrix that is given: its square root is the rounding of the rows that it is made of
 SMALLEST, LARGEST = 1e-150, 1e150  # units: their products neither overflow nor vanish
 EVEN = 16.0  # ratio of the diagonal entries of an LCP up to which all are in one unit
 PEAK = 4.0  # entry, relative to those of the diagonal, from which the diagonal is no measure of its row
@@ -36,8 +37,7 @@ class Units(NamedTuple):
     @classmethod
     def of(cls, d: FloatArray, q: FloatArray) -> Units:
         """The units d, and the load from the largest finite q."""
-        with np.errstate(all="ignore"):
-            largest = float(np.abs(q).max(initial=0.0))
+        largest = largest_entry(q)
         return cls(d, 2.0 ** (math.frexp(largest)[1] - 1) if 0.0 < largest < np.inf else 1.0)
 
     def inward(self, z: FloatArray) -> FloatArray:
@@ -52,11 +52,22 @@ class Units(NamedTuple):
 
 
 @kernel
-def contact_units(size: FloatArray, n: int) -> None:
+def largest_entry(q: FloatArray) -> float:
+    """max |q_i|, NaN if one is no number."""
+    largest = 0.0
+    for i in range(len(q)):
+        if not abs(q[i]) <= largest:
+            largest = abs(q[i])
+    return largest
+
+
+@kernel
+def contact_units(size: FloatArray, n: int, dead: float) -> None:
     """In place d_k = 1 / sqrt(D_k) from D_k = size[k] >= 0, k < n.
 
-    A contact between two bodies that are held has D_k = 0 but for rounding: it is measured in the unit of the contact
-    that gives way most, which does not ask less of the others.
+    A contact between two bodies that are held has D_k = 0 but for rounding, up to ``dead`` of the largest: it is
+    measured in the unit of the contact that gives way most, which does not ask less of the others. Of a matrix that is
+    given nobody knows what rounding made of it: a contact of a body 1e14 times heavier than another one is none.
     """
     largest = 0.0
     for k in range(n):
@@ -65,7 +76,7 @@ def contact_units(size: FloatArray, n: int) -> None:
     if largest == 0.0:
         largest = 1.0
     for k in range(n):
-        own = size[k] if DEAD * largest < size[k] < np.inf else largest
+        own = size[k] if dead * largest < size[k] < np.inf else largest
         size[k] = min(max(1.0 / math.sqrt(own), SMALLEST), LARGEST)
 
 

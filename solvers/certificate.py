@@ -8,19 +8,25 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
 __all__ = [
     "all_finite",
     "guarded_residual",
     "is_symmetric",
     "judge",
+    "largest_measures",
+    "measured",
     "natural_residual",
+    "own_load",
     "residual_parts",
     "row_parts",
     "strict_residual",
     "terms_residual",
     "weigh",
+    "weigh_contacts_of",
+    "weigh_rows",
+    "worse",
 ]
 
 GUARD = 1e-6  # a residual above this fraction of |q| is judged against |q| itself: see guarded_residual
@@ -144,6 +150,116 @@ def terms_residual(worst: float, size: float, load: float) -> float:
     if not (size < np.inf and max(worst, ROUNDING * size) <= WEDGED * load):
         return np.inf
     return worst / size if size > 0.0 else 0.0
+
+
+@kernel
+def own_load(terms: float, load: float, all_else: float) -> float:
+    """What a contact is measured by: its load, and what its neighbours do to it; see :func:`measured`."""
+    return max(load, min(terms, all_else))
+
+
+@kernel
+def measured(miss: float, terms: float, load: float, all_else: float) -> tuple[float, float, float]:
+    """The one measure of a contact, or of a row: what it misses against its own terms and load, in three sizes.
+
+    miss: what is left of its law; terms: the largest sum of terms that cancel in its rows; load: its own free velocity,
+    the largest |q| of its rows; all_else: the largest load of all.
+    Returns the guarded residual (:func:`guarded_residual`: SOLVED means that it is within the tolerance), the same
+    relative to the load alone, and relative to the terms alone (:func:`terms_residual`). A contact that is hardly
+    loaded itself, as one between two bodies that fall alike, is measured by what its neighbours do to it: its load
+    counts as no less than its terms, as far as these are not larger than all else.
+    """
+    own = own_load(terms, load, all_else)
+    size = max(terms, own)
+    known = max(miss, ROUNDING * terms)  # w is not known any better
+    return guarded_residual(miss, size, own), strict_residual(miss, own), terms_residual(known, size, own)
+
+
+@kernel
+def worse(a: tuple[float, float, float], b: tuple[float, float, float]) -> tuple[float, float, float]:
+    """The larger one of each of three numbers; what is not finite stays so."""
+    return max(a[0], b[0]), max(a[1], b[1]), max(a[2], b[2])
+
+
+@kernel
+def largest_measures(miss: FloatArray, terms: FloatArray, load: FloatArray) -> tuple[float, float, float]:
+    """The largest of each size of :func:`measured` over contacts, of which all three (contacts,) are known."""
+    told, all_else = (0.0, 0.0, 0.0), 0.0
+    for k in range(len(load)):
+        all_else = max(all_else, load[k])
+    for k in range(len(miss)):
+        if not (miss[k] < np.inf and terms[k] < np.inf):
+            return np.inf, np.inf, np.inf
+        told = worse(told, measured(miss[k], terms[k], load[k], all_else))
+    return told
+
+
+@kernel
+def weigh_rows(M: FloatArray, q: FloatArray, z: FloatArray, n: int, w: FloatArray) -> tuple[float, float, float]:
+    """w = M z + q, and the largest of the three sizes of :func:`measured` over all rows, each by itself.
+
+    Arrays as in :func:`weigh`.
+    """
+    load = 0.0
+    for i in range(n):
+        load = max(load, abs(q[i]))
+    told = (0.0, 0.0, 0.0)
+    finite = True
+    for i in range(n):
+        miss, terms = _row(M, q, z, n, i, w)
+        finite = finite and miss < np.inf
+        told = worse(told, measured(miss, terms, abs(q[i]), load))
+    if not finite:
+        return np.inf, np.inf, np.inf
+    return told
+
+
+@kernel
+def weigh_contacts_of(
+    M: FloatArray,
+    q: FloatArray,
+    z: FloatArray,
+    n: int,
+    w: FloatArray,
+    contacts: int,
+    tangent: IntArray,
+) -> tuple[float, float, float]:
+    """The same over contacts: the rows of each share their terms and their load.
+
+    tangent (tangents,): the contact that each tangential row belongs to, ascending. Rows [normals; tangents; ...], as
+    many blocks of tangents as there are (:mod:`lcpflex.solvers.contact.lcp_forms`).
+    """
+    tangents, largest = len(tangent), 0.0
+    for i in range(contacts + tangents):
+        largest = max(largest, abs(q[i]))
+    told = (0.0, 0.0, 0.0)
+    finite, j = True, 0
+    for k in range(contacts):
+        miss, terms = _row(M, q, z, n, k, w)
+        load = abs(q[k])
+        if j < tangents and tangent[j] == k:
+            for i in range(contacts + j, n, tangents):
+                other, size = _row(M, q, z, n, i, w)
+                miss, terms, load = max(miss, other), max(terms, size), max(load, abs(q[i]))
+            j += 1
+        finite = finite and miss < np.inf
+        told = worse(told, measured(miss, terms, load, largest))
+    if not finite:
+        return np.inf, np.inf, np.inf
+    return told
+
+
+@kernel
+def _row(M: FloatArray, q: FloatArray, z: FloatArray, n: int, i: int, w: FloatArray) -> tuple[float, float]:
+    """What row i misses, inf if anything is not finite, and the size of its terms; w_i is written."""
+    product, terms, row = row_parts(M[i], z, n)
+    slack = product + q[i]
+    w[i] = slack
+    terms += abs(q[i])
+    lifted = row * z[i] if row > 0.0 else z[i]
+    if not (terms < np.inf and abs(lifted) < np.inf and abs(slack) < np.inf):
+        return np.inf, np.inf
+    return abs(min(lifted, slack)), terms
 
 
 @kernel

@@ -15,6 +15,7 @@ from time import perf_counter
 from typing import TypeVar
 
 from lcpflex.errors import ModelError, in_range
+from lcpflex.solvers.attention import Ear
 from lcpflex.solvers.problem import Solution, Status
 
 __all__ = ["check_time_limit", "expired", "grown", "limited", "out_of_time", "remaining", "within"]
@@ -63,18 +64,21 @@ def check_time_limit(name: str, seconds: float | None) -> float | None:
     return None if seconds is None else in_range(name, seconds, 0.0, LONGEST, open_ends=True)
 
 
-def grown(solve: Callable[[int], Found], limit: int, size: int, cut: Callable[[Found], bool]) -> tuple[Found, bool]:
+def grown(
+    solve: Callable[[int], Found], limit: int, size: int, cut: Callable[[Found], bool], ear: Ear | None = None
+) -> tuple[Found, bool]:
     """``solve(limit)``, or what it came to when the time was up; and whether that ended it.
 
     solve(k): from the beginning, with k iterations at most, each of about size^2 operations. cut: whether the limit of
-    iterations ended a solve.
+    iterations ended a solve. ear: what its kernels listen with, if they do.
     """
     if not limited():
-        return solve(limit), False
+        return (solve(limit) if ear is None else ear(lambda: solve(limit))), False
     allowed = min(limit, max(10, int(FIRST * FLOPS / max(size, 1) ** 2)))
     while True:
         began = perf_counter()
-        found = solve(allowed)
+        most = allowed
+        found = solve(most) if ear is None else ear(lambda most=most: solve(most))  # type: ignore[misc]
         if allowed >= limit or not cut(found):
             return found, False
         left, spent = remaining(), perf_counter() - began

@@ -19,9 +19,19 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.arrays import as_array, check_finite, finite_array, nothing
 from lcpflex.solvers.balance import Units, in_units, lcp_units
-from lcpflex.solvers.certificate import GUARD, all_finite, is_symmetric, residual_parts, weigh
+from lcpflex.solvers.certificate import (
+    GUARD,
+    all_finite,
+    is_symmetric,
+    residual_parts,
+    weigh,
+    weigh_contacts_of,
+    weigh_rows,
+    worse,
+)
 from lcpflex.solvers.claims import check_claim, check_vectors
-from lcpflex.solvers.lcp.exact_residual import residual_in_fractions
+from lcpflex.solvers.lcp.exact_residual import Contacts, own_parts, residual_in_fractions
+from lcpflex.solvers.lcp.exact_signs import is_wide, off_in_fractions
 from lcpflex.solvers.lcp.exact_systems import ExactSystem, exact_rows
 from lcpflex.solvers.lcp.proofs import Proof, exact_solution, infeasibility, nearly_infeasible
 from lcpflex.solvers.solution import PROVED, LcpSolver, PosedProblem, Problem, Solution
@@ -66,6 +76,8 @@ class Lcp:
     _data: tuple[FloatArray, FloatArray] = field(init=False, repr=False, compare=False)
     _symmetric: list[bool] = field(default_factory=list, init=False, repr=False, compare=False)  # once it is known
     _units: list[Any] = field(default_factory=list, init=False, repr=False, compare=False)  # once they are known
+    # Whether its entries are far apart, once that is known; and its contacts, if it is of some.
+    _known: list[Any] = field(default_factory=list, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         q = as_array("q", self.q, 1)
@@ -111,16 +123,25 @@ class Lcp:
             raise ModelError(f"units is {shown(d)}: expected ({self.size},) positive numbers")
         return self._measured([np.array(d), "given"])
 
+    @property
+    def contacts(self) -> Contacts | None:
+        """How many contacts it is of, and the contact of each tangential row; None if it is not of contacts."""
+        return None if len(self._known) < 2 else (self._known[1], self._known[2])
+
     def measured_alike(self) -> Lcp:
         """The same problem, whose unknowns are known to be alike as they are; this one stays as it is."""
-        return self._measured([None, None, False])
+        return self._measured([None, None, False], self.contacts)
 
-    def _measured(self, units: list[Any]) -> Lcp:
-        """A problem of the same numbers with these ``_units``; they are not looked at."""
+    def _measured(self, units: list[Any], contacts: Contacts | None = None) -> Lcp:
+        """A problem of the same numbers with these ``_units``; they are not looked at.
+
+        contacts: see :attr:`contacts`.
+        """
         made = object.__new__(type(self))
         for name in ("M", "q", "factor", "_data", "_symmetric"):
             object.__setattr__(made, name, getattr(self, name))
         object.__setattr__(made, "_units", units)
+        object.__setattr__(made, "_known", [False, *(contacts or ())] if contacts or units[0] is None else [])
         return made
 
     def balanced(self) -> tuple[Lcp, Units | None]:
@@ -150,21 +171,68 @@ class Lcp:
         if type(z) is not np.ndarray or z.dtype is not FLOAT or z.shape != (self.size,):
             z = point_of("z", z, self.size)
         w = np.empty(self.size)
-        alike, units = self.balanced()
-        residual, strict = weigh(*alike._data, z if units is None else units.inward(z), self.size, w)
-        if units is not None:
-            raw = weigh(*self._data, z, self.size, w)
-            if self._units[2]:
-                residual, strict = max(residual, raw[0]), max(strict, raw[1])
+        residual, strict, _ = self._sizes(z, w)
         if GUARD < residual < np.inf and (exact := residual_in_fractions(self, z)) is not None:
             return exact[0], exact[1], exact[1]
+        if residual <= GUARD and self._wide() and (off := self._off(z, w)) > GUARD:
+            return w, off, max(off, strict)
         return w, residual, strict
 
-    def measures(self) -> list[tuple[FloatArray, FloatArray, Units | None]]:
-        """M and q as residuals are taken in them, with their units: once, or twice where units were guessed."""
+    def _wide(self) -> bool:
+        """Whether its entries differ by so much that rows which are right to their last digit need not make a solution.
+
+        Not asked of contacts, whose matrix is a product.
+        """
+        if not self._known:
+            self._known.append(bool(is_wide(self.balanced()[0]._data[0], self.size)))
+        return self._known[0]  # type: ignore[no-any-return]
+
+    def _off(self, z: FloatArray, w: FloatArray) -> float:
+        """How far z (n,) is from the exact solution on its active set: :func:`off_in_fractions`."""
         alike, units = self.balanced()
-        own = [(*self._data, None)] if units is not None and self._units[2] else []
-        return [(*alike._data, units), *own]
+        rows = np.abs(alike.M).max(axis=1)
+        inward, slack = (z, w) if units is None else (units.inward(z), w * (units.d / units.load))
+        return off_in_fractions(self, z, (z > 0.0) & (rows * inward > slack))
+
+    def _sizes(self, z: FloatArray, w: FloatArray) -> tuple[float, float, float]:
+        """The three sizes of :func:`lcpflex.solvers.certificate.measured` at z (n,); w is written."""
+        alike, units = self.balanced()
+        if units is None:
+            return self._weighed(z, w)
+        told = alike._weighed(units.inward(z), w)
+        if self._units[2]:
+            return worse(told, self._weighed(z, w))
+        weigh(*self._data, z, self.size, w)
+        return told
+
+    def _weighed(self, z: FloatArray, w: FloatArray) -> tuple[float, float, float]:
+        """The same in the units of this problem."""
+        if len(self._known) > 1 and (contacts := self.contacts) is not None:
+            told: tuple[float, float, float] = weigh_contacts_of(*self._data, z, self.size, w, *contacts)
+            return told
+        rows: tuple[float, float, float] = weigh_rows(*self._data, z, self.size, w)
+        return rows
+
+    def by_terms(self, z: FloatArray) -> tuple[float, str]:
+        """The residual of z (n,) relative to the terms that cancel in each contact, or row, and which one is worst.
+
+        The worst is the one that has most left of its own load; inf where a tenth of that may be left.
+        """
+        w = np.empty(self.size)
+        terms = self._sizes(z, w)[2]
+        if not terms < np.inf:
+            return np.inf, ""
+        M, q, units, contacts = self.measures()[0]
+        inward = (z, w) if units is None else (units.inward(z), w * (units.d / units.load))
+        miss, _, own = own_parts((M, q), *inward, contacts)
+        worst = int(np.argmax(np.where(miss > 0.0, miss / np.where(own > 0.0, own, 1.0), 0.0)))
+        return terms, f"{'row' if contacts is None else 'contact'} {worst}"
+
+    def measures(self) -> list[tuple[FloatArray, FloatArray, Units | None, Contacts | None]]:
+        """M and q as residuals are taken in them, their units and contacts: once, or twice if units were guessed."""
+        alike, units = self.balanced()
+        own = [(*self._data, None, self.contacts)] if units is not None and self._units[2] else []
+        return [(*alike._data, units, alike.contacts), *own]
 
     def _in_units(self, d: FloatArray | None) -> tuple[Lcp | None, Units | None]:
         """The problem in units d; None where those are one, or it overflows."""
@@ -175,7 +243,8 @@ class Lcp:
         in_units(*self._data, *units, self.size, M, q)
         if not all_finite(M, q):
             return None, None
-        scaled = Lcp(M, q, None if self.factor is None else self.factor * d[:, None]).measured_alike()
+        scaled = Lcp(M, q, None if self.factor is None else self.factor * d[:, None])
+        scaled = scaled._measured([None, None, False], self.contacts)
         scaled._symmetric[:] = self._symmetric
         return scaled, units
 
@@ -262,11 +331,27 @@ def accept(
         if proof is None and near:
             proof = infeasibility(problem, certificate)
         judged = _why_not(problem, residual, tolerance, status, proof)
+        where = "" if judged in PROVED else _right_to_terms(problem, point, residual, tolerance)
+        if where:
+            judged, message = Status.RIGHT_TO_TERMS, where
         if not message or judged in PROVED:
             grounds = _grounds(judged, residual, tolerance) + (f"; {NEARLY}" if near and judged not in PROVED else "")
             message = f"{judged.name.lower().replace('_', ' ')}: {grounds}"
     u, vector = (None, ()) if proof is None or judged not in PROVED else (proof.certificate, proof.vector)
     return Solution(point, w, judged, residual, iterations, route, message, active, u, None, solutions, vector, strict)
+
+
+def _right_to_terms(problem: Problem, point: FloatArray, residual: float, tolerance: float) -> str:
+    """Which contact is right to its terms only, and how much of its own load that leaves; empty if that is not so."""
+    if not (residual < np.inf and hasattr(problem, "by_terms")):
+        return ""
+    terms, worst = problem.by_terms(point)
+    if not terms <= tolerance:
+        return ""
+    return (
+        f"right to its terms only: {worst} has up to {residual:.1e} of its own load left, {terms:.1e} of the terms "
+        "that cancel in it; its numbers are too far apart for more"
+    )
 
 
 def retold(problem: Problem, z: FloatArray, found: Solution, tolerance: float, **changed: Any) -> Solution:

@@ -33,3 +33,8 @@ class Status(enum.IntEnum):
     """The time allowed for one solve was up first (:class:`lcpflex.solvers.TimeLimit`)."""
     WRONG = 9
     """A function of the user's own returned a point as a solution, and its residual is above 1000 tolerances."""
+    RIGHT_TO_TERMS = 10
+    """Right to its terms only: what is left of each contact (or row of an LCP) is within the tolerance of the terms
+    that cancel in it, but in at least one more than SOLVED allows of its own load, the velocity that it would have
+    without forces. The message names the one that is worst. Numbers too far apart, as masses of 1e12 to 1 that press on
+    each other, leave no more digits; a run goes on with such an answer, and says so."""

@@ -23,6 +23,7 @@ from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess, posed
+from lcpflex.solvers.attention import listening
 from lcpflex.solvers.clock import grown
 from lcpflex.solvers.contact.active_set import free_forces, in_cones, on_active_set, own_blocks
 from lcpflex.solvers.contact.looks import SWEPT, by_looks
@@ -173,6 +174,7 @@ class BlockGaussSeidel:
     def _compiled(self, run: _Iteration, lcp: Lcp) -> Solution:
         problem, n = run.problem, lcp.size
         z, (table, basis) = np.empty(n), lemke_workspace(n)
+        basis, ear = listening(basis, n)
         free, friction = problem._data[1:3]
         work, start = np.empty(n), (run.forces.copy(), run.states.copy())
 
@@ -183,7 +185,9 @@ class BlockGaussSeidel:
                 z, work, table, basis, self.tolerance, most,
             )  # fmt: skip
 
-        (code, sweeps, finished), cut = grown(swept, self.sweep_limit, n, lambda found: found[0] == ITERATION_LIMIT)
+        (code, sweeps, finished), cut = grown(
+            swept, self.sweep_limit, n, lambda found: found[0] == ITERATION_LIMIT, ear
+        )
         status, active = Status.TIME_LIMIT if cut else Status(code), None
         route = SWEPT + FINISHED * finished
         if status is Status.SOLVED:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.auto import TARGET, auto
-from lcpflex.solvers.balance import contact_units, in_units, unknown_units
+from lcpflex.solvers.balance import DEAD, contact_units, in_units, unknown_units
 from lcpflex.solvers.certificate import ROUNDING, guarded_residual, residual_parts, strict_residual, terms_residual
 from lcpflex.solvers.contact.index_sets import STICKING, reduce_columns, sliding_sign
 from lcpflex.solvers.contact.lcp_forms import assemble_friction_lcp
@@ -74,7 +74,7 @@ def pose_lcp(data: ContactData, memory: SolverMemory) -> None:
         own[k] = G[k, k]
     for j in range(data.n_tangents):
         own[tangent[j]] = max(own[tangent[j]], G[n + j, n + j])
-    contact_units(own, n)
+    contact_units(own, n, DEAD)
     unknown_units(own, memory.stick, n, memory.n_stick, memory.units)
     in_units(memory.M, memory.q, memory.units, 1.0, memory.size, memory.alike, memory.load)
 

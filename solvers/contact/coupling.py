@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.certificate import measured, worse
 
-__all__ = ["MOST_BLOCKS", "Coupling", "coupling_of", "grouped"]
+__all__ = ["MOST_BLOCKS", "Coupling", "coupling_of", "grouped", "tangents"]
 
 # Blocks that are made of a factor at most, 160 MB: a body that touches thousands of contacts couples each with all.
 MOST_BLOCKS = 4_000_000
@@ -36,14 +37,17 @@ class Coupling:
     friction: FloatArray
     tangent_of: IntArray
 
-    def residual_parts(self, z: FloatArray) -> tuple[float, float, float]:
-        """Absolute residual of z, size of its terms, max |free|: those of the LCP with three unknowns a contact."""
-        return self.weighed(z, z[:0])
-
     def weighed(self, z: FloatArray, w: FloatArray) -> tuple[float, float, float]:
-        """The same, and w = M z + q of the LCP, written to ``w`` unless that is empty."""
+        """How wrong z is as :func:`weigh_contacts` tells; w = M z + q of the LCP is written unless ``w`` is empty."""
         rows = (self.first, self.other, self.block)
-        return weigh_contacts(*rows, self.free, self.friction, self.tangent_of, z, w)
+        return weigh_contacts(*rows, self.free, self.friction, self.tangent_of, z, w, z[:0])
+
+    def missed(self, z: FloatArray) -> FloatArray:
+        """(n,) what z leaves of the own load of each contact."""
+        strict = np.empty(len(self.friction))
+        rows = (self.first, self.other, self.block)
+        weigh_contacts(*rows, self.free, self.friction, self.tangent_of, z, z[:0], strict)
+        return strict
 
     def parts(self) -> tuple[int, IntArray]:
         """How many independent parts there are, and (n,) the number of that of each contact, in order of the first."""
@@ -163,16 +167,19 @@ def weigh_contacts(
     tangent_of: IntArray,
     z: FloatArray,
     w: FloatArray,
+    missed: FloatArray,
 ) -> tuple[float, float, float]:
-    """max_i |min(d_i z_i, w_i)|, the size of the terms of w, and max |free|; all inf if anything is not finite.
+    """The largest over all contacts of the three sizes of :func:`lcpflex.solvers.certificate.measured`.
 
-    z (n,): [lambda_N, lambda_R, xi_L]; w = M z + q of the LCP, d_i the largest |M_ij| of its row (1 for a zero row).
-    See :func:`lcpflex.solvers.certificate.residual_parts`; other arrays as of :class:`Coupling`. Out: w (n,), unless it
-    is empty.
+    z (n,): [lambda_N, lambda_R, xi_L]; w = M z + q of the LCP. A row misses |min(d_i z_i, w_i)|, d_i the largest |M_ij|
+    of it (1 for a zero row), and a contact what the worst of its rows does. Arrays as of :class:`Coupling`. Out, unless
+    they are empty: w (n,), and what is left of the own load of each contact, missed (contacts,).
     """
     kept = len(w) > 0
     n, m = len(friction), len(free)
-    worst, size, load, finite = 0.0, 0.0, 0.0, True
+    told, finite, largest = (0.0, 0.0, 0.0), True, 0.0
+    for i in range(m):
+        largest = max(largest, abs(free[i]))
     for k in range(n):
         v_n, terms_n, row_n = 0.0, abs(free[k]), 0.0
         v_t, terms_t, row_t = 0.0, 0.0, 0.0
@@ -191,10 +198,10 @@ def weigh_contacts(
             row_n = max(row_n, max(a, abs(nt)))
             row_t = max(row_t, max(b, abs(tt)))
         v_n += free[k]
-        load = max(load, abs(free[k]))
+        load = abs(free[k])
         lifted = z[k] * (row_n if row_n > 0.0 else 1.0)
-        worst = max(worst, abs(min(lifted, v_n)))
-        size = max(size, terms_n)
+        worst = abs(min(lifted, v_n))
+        size = terms_n
         if not (terms_n < np.inf and abs(lifted) < np.inf):
             finite = False
         if kept:
@@ -213,9 +220,15 @@ def weigh_contacts(
             size = max(size, max(terms_t, abs(2.0 * mu * z[k]) + abs(z[t])))
             if not (terms_t < np.inf and abs(bound) < np.inf and max(row_t, 1.0) * abs(z[t]) < np.inf):
                 finite = False
-    if not (finite and worst < np.inf and size < np.inf):
+        if not worst < np.inf:
+            finite = False
+        own = measured(worst, size, load, largest)
+        if len(missed) > 0:
+            missed[k] = own[1]
+        told = worse(told, own)
+    if not finite:
         return np.inf, np.inf, np.inf
-    return worst, size, load
+    return told
 
 
 @kernel

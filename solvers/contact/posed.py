@@ -35,8 +35,9 @@ def posed_lcp(data: ContactData, memory: SolverMemory) -> Lcp:
 
 
 def _lcp(memory: SolverMemory) -> Lcp:
-    m = memory.size
-    return Lcp(memory.M[:m, :m], memory.q[:m])._measured([memory.units[:m].copy(), "given"])
+    m, count = memory.size, memory.n_stick
+    lcp = Lcp(memory.M[:m, :m], memory.q[:m])
+    return lcp._measured([memory.units[:m].copy(), "given"], (m - 2 * count, memory.stick[:count].copy()))
 
 
 @in_space("lcpflex.solvers.contact.cones.posed")

@@ -19,8 +19,8 @@ from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.arrays import finite_array
-from lcpflex.solvers.balance import Units, contact_units, unknown_units
-from lcpflex.solvers.certificate import guarded_residual, strict_residual
+from lcpflex.solvers.balance import NOTHING, Units, contact_units, unknown_units
+from lcpflex.solvers.certificate import largest_measures
 from lcpflex.solvers.contact.coupling import MOST_BLOCKS, Coupling, coupling_of
 from lcpflex.solvers.contact.lcp_forms import (
     assemble_copositive_lcp,
@@ -39,6 +39,7 @@ from lcpflex.solvers.contact.matrices import (
     shown_only,
 )
 from lcpflex.solvers.contact.row_sizes import row_sizes
+from lcpflex.solvers.lcp.exact_residual import largest_of_each
 from lcpflex.solvers.lcp.exact_systems import ExactSystem, contact_rows
 from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status, accept, confirmed
 
@@ -146,7 +147,7 @@ class ContactProblem:
             own = np.array(diagonal[:normals])
             own[tangent] = np.maximum(own[tangent], diagonal[normals:])
             own = np.maximum(own, 0.0)
-            contact_units(own, normals)
+            contact_units(own, normals, NOTHING)
             self._kept["units"] = own
         return self._kept["units"]  # type: ignore[no-any-return]
 
@@ -236,7 +237,7 @@ class ContactProblem:
         delassus = self._data[0] if isinstance(self.delassus, np.ndarray) else self.dense()
         assemble_friction_lcp(delassus, *self._data[1:3], tangent, normals, len(tangent), M, q)
         factor = None if len(tangent) or self.factor is None else as_dense(self.factor)
-        lcp = Lcp(M, q, factor)._measured([self.unknown_units.d, "given"])
+        lcp = Lcp(M, q, factor)._measured([self.unknown_units.d, "given"], (normals, tangent))
         if n <= KEPT:
             self._kept["lcp"] = lcp
         return lcp
@@ -280,7 +281,7 @@ class ContactProblem:
         M4, q4 = np.zeros((n, n)), np.zeros(n)
         assemble_copositive_lcp(M, q, self._data[2], tangent, normals, len(tangent), M4, q4)
         forces, slip = np.split(self.unknown_units.d, [len(self.free)])
-        return Lcp(M4, q4)._measured([np.concatenate([forces, forces[normals:], slip]), "given"])
+        return Lcp(M4, q4)._measured([np.concatenate([forces, forces[normals:], slip]), "given"], (normals, tangent))
 
     def forces(self, z: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
         """(lambda_N (n_N,), lambda_T (n_H,)) of a solution z (n,) of :meth:`lcp`."""
@@ -327,45 +328,67 @@ class ContactProblem:
         """
         if flag("scaled", scaled):
             return self.residuals(z)[0]
-        worst, _, _ = self.residual_parts(self._point(z))
-        return worst
+        return float(self._parts(self._point(z))[0].max(initial=0.0))
 
     def residuals(self, z: npt.ArrayLike) -> tuple[float, float]:
         """The residual of z (n,) in two sizes: :attr:`Solution.residual` and :attr:`Solution.strict`.
 
-        Of :meth:`balanced`: relative to the terms that cancel in the velocities, and to the free velocity alone.
+        Of each contact by itself, in its unit: relative to the terms that cancel in its velocities, and to its own free
+        velocity (:func:`lcpflex.solvers.certificate.measured`); the largest ones.
         """
-        point = self.unknown_units.inward(self._point(z))
-        coupling = self.coupling
-        alike = self.balanced() if coupling is None else coupling
-        worst, size, load = alike.residual_parts(point)
-        return float(guarded_residual(worst, size, load)), float(strict_residual(worst, load))
+        residual, strict, _ = self._sizes(self._point(z), np.empty(0))
+        return float(residual), float(strict)
 
     def judged(self, z: FloatArray) -> tuple[FloatArray, float, float]:
         """w of z (n,), and its residual in the two sizes of a :class:`Solution`."""
-        coupling, units = self.coupling, self.unknown_units
-        if coupling is None:
+        units = self.unknown_units
+        if self.coupling is None:
             return self.slack(z), *self.residuals(z)
         w = np.empty(self.size)
-        worst, size, load = coupling.weighed(units.inward(self._point(z)), w)
+        residual, strict, _ = self._sizes(self._point(z), w)
         with np.errstate(all="ignore"):
             w *= units.load / units.d
-        return w, float(guarded_residual(worst, size, load)), float(strict_residual(worst, load))
+        return w, float(residual), float(strict)
 
-    def residual_parts(self, point: FloatArray) -> tuple[float, float, float]:
-        """Absolute residual, size of its terms, max |free|, all in the units of ``free``.
+    def by_terms(self, z: FloatArray) -> tuple[float, str]:
+        """The residual of z (n,) relative to the terms that cancel in each contact, and which contact is worst.
+
+        The worst is the one that has most left of its own load; inf where a tenth of that may be left.
+        """
+        point, coupling = self._point(z), self.coupling
+        terms = self._sizes(point, np.empty(0))[2]
+        if not terms < np.inf:
+            return np.inf, ""
+        if coupling is None:
+            miss, size, load = self.balanced()._parts(self.unknown_units.inward(point))
+            missed = miss / np.maximum(np.maximum(load, size), 1e-300)
+        else:
+            missed = coupling.missed(self.unknown_units.inward(point))
+        return float(terms), f"contact {self.keys[int(np.argmax(missed))]}"
+
+    def _sizes(self, point: FloatArray, w: FloatArray) -> tuple[float, float, float]:
+        """The three sizes of :func:`lcpflex.solvers.certificate.measured`; w in units, unless it is empty."""
+        inward, coupling = self.unknown_units.inward(point), self.coupling
+        if coupling is not None:
+            return coupling.weighed(inward, w)
+        told: tuple[float, float, float] = largest_measures(*self.balanced()._parts(inward))
+        return told
+
+    def _parts(self, point: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """What each contact misses, the size of its terms, its load (n_N,): in the units of ``free``.
 
         point (n,): unknowns of :meth:`lcp`. No more than BLOCK rows of the matrix exist at a time.
         """
-        if not np.isfinite(point).all():
-            return np.inf, np.inf, np.inf
         with np.errstate(all="ignore"):
             w = self.slack(point)
             largest, terms = row_sizes(self, point)
-            worst = float(np.abs(np.minimum(largest * point, w)).max(initial=0.0))
-            size = float(terms.max(initial=0.0))
-            parts = (worst, size, float(np.abs(self.free).max(initial=0.0)))
-        return parts if np.isfinite(parts).all() else (np.inf, np.inf, np.inf)
+            miss = np.abs(np.minimum(largest * point, w))
+        miss[~np.isfinite(miss + terms)] = np.inf
+        load = np.concatenate([np.abs(self.free), np.zeros(len(self.tangent))])
+        miss, terms, load = (
+            largest_of_each(values, len(self.friction), self.tangent) for values in (miss, terms, load)
+        )
+        return miss, terms, load
 
     def _point(self, z: npt.ArrayLike) -> FloatArray:
         return point_of("z", z, self.size)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.solvers.certificate import guarded_residual
 from lcpflex.solvers.contact.coupling import weigh_contacts
 from lcpflex.solvers.contact.sweeps import RUNAWAY, sweep_blocks
 
@@ -74,8 +73,7 @@ def settle(
     mark, before = patience, np.inf
     while True:
         point_of_forces(first, other, block, free, friction, tangent_of, forces, z)
-        worst, size, peak = weigh_contacts(first, other, block, free, friction, tangent_of, z, z[:0])
-        residual = guarded_residual(worst, size, peak)
+        residual, _, _ = weigh_contacts(first, other, block, free, friction, tangent_of, z, z[:0], z[:0])
         if residual < least:
             least = residual
             for i in range(m):

@@ -20,9 +20,8 @@ from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.arrays import finite_array
-from lcpflex.solvers.balance import Units, contact_units
-from lcpflex.solvers.certificate import guarded_residual, strict_residual
-from lcpflex.solvers.contact.cones.certificate import cone_parts, weigh_cones
+from lcpflex.solvers.balance import NOTHING, Units, contact_units
+from lcpflex.solvers.contact.cones.certificate import cone_parts, cone_sizes, weigh_cones
 from lcpflex.solvers.contact.matrices import (
     as_dense,
     check_dense,
@@ -140,7 +139,7 @@ class SpatialContactProblem:
         """(k,) d_k = 1 / sqrt(max diag G_kk) of each contact: see :mod:`lcpflex.solvers.balance`."""
         if "units" not in self._kept:
             own = np.maximum(self.diagonal.reshape(-1, 3).max(axis=1), 0.0) if self.size else np.zeros(0)
-            contact_units(own, len(own))
+            contact_units(own, len(own), NOTHING)
             self._kept["units"] = own
         return self._kept["units"]  # type: ignore[no-any-return]
 
@@ -227,24 +226,43 @@ class SpatialContactProblem:
         delassus, free, friction, _ = self._data
         if isinstance(delassus, np.ndarray):
             w, terms = np.empty(self.size), np.empty(self.size)
-            residual, strict = weigh_cones(delassus, free, friction, units, point, len(friction), w, terms)
+            residual, strict, _ = weigh_cones(delassus, free, friction, units, point, len(friction), w, terms)
             return w, float(residual), float(strict)
         with np.errstate(all="ignore"):  # what is not finite is judged so
             w = self.velocity(point)
-        worst, size, load = self.residual_parts(point, w)
-        return w, float(guarded_residual(worst, size, load)), float(strict_residual(worst, load))
+        residual, strict, _ = self._sizes(point, w, np.empty(0))
+        return w, residual, strict
 
-    def residual_parts(self, z: FloatArray, w: FloatArray | None = None) -> tuple[float, float, float]:
-        """What is left of the natural map, size of its terms, max |free|: each in the units of the contacts.
+    def by_terms(self, z: FloatArray) -> tuple[float, str]:
+        """The residual of z (3 k,) relative to the terms that cancel in each contact, and which contact is worst.
 
-        z (3 k,): forces; w (3 k,): their velocities, if they are known.
+        The worst is the one that has most left of its own load; inf where a tenth of that may be left.
         """
+        point, missed = self._point("z", z), np.empty(len(self.friction))
         with np.errstate(all="ignore"):
-            w = self.velocity(z) if w is None else w
+            terms = self._sizes(point, self.velocity(point), missed)[2]
+        return (terms, f"contact {self.keys[int(np.argmax(missed))]}") if terms < np.inf else (np.inf, "")
+
+    def _sizes(self, z: FloatArray, w: FloatArray, missed: FloatArray) -> tuple[float, float, float]:
+        """What :func:`cone_sizes` tells of forces z (3 k,) with velocities w."""
+        told = cone_sizes(z, w, self._terms(z), *self._data[1:3], self.units, len(self.friction), missed)
+        return float(told[0]), float(told[1]), float(told[2])
+
+    def _terms(self, z: FloatArray) -> FloatArray:
+        """(3 k,) sum |G_ij z_j| + |free_i|."""
+        with np.errstate(all="ignore"):
             size, terms = np.abs(z), np.abs(self.free)
             for rows, block in self.row_blocks():
                 terms[rows] += abs(block) @ size
-            parts = cone_parts(z, w, terms, *self._data[1:3], self.units, len(self.friction))
+        return terms
+
+    def residual_parts(self, z: FloatArray) -> tuple[float, float, float]:
+        """What is left of the natural map, size of its terms, max |free|: each in the units of the contacts.
+
+        z (3 k,): forces.
+        """
+        with np.errstate(all="ignore"):
+            parts = cone_parts(z, self.velocity(z), self._terms(z), *self._data[1:3], self.units, len(self.friction))
         return float(parts[0]), float(parts[1]), float(parts[2])
 
     def lcp(self) -> Lcp:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.attention import is_called
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.lcp.pivoting import block_pivots
 from lcpflex.solvers.semidefinite import dot
@@ -279,7 +280,7 @@ def block_gauss_seidel(
         basis[i] = 0
     least = judge(M, q, z, n, table[n])
     target, look, sweeps = 0.1 * tolerance * load, FIRST_LOOK, 0
-    while least > tolerance and sweeps < sweep_limit:
+    while least > tolerance and sweeps < sweep_limit and not is_called(basis):
         made, change = sweep_delassus(
             G, free, friction, tangent_of, forces, states, min(look, sweep_limit) - sweeps, target
         )

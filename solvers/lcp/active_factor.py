@@ -7,7 +7,8 @@ column with it, and plane rotations of rows restore the triangle (Gill, Golub, M
 operations instead of m^3 / 6. Rows are stored as rows, so that every inner loop runs along memory.
 
 Arrays of all kernels: M (cap, cap), its leading n x n block counts; R with rows of length cap; basis (2 cap,) at least:
-basis[:n] is 1 on A, basis[n:n + m] is A in the order of the columns of R, m its size.
+basis[:n] is 1 on A, basis[n:n + m] is A in the order of the columns of R, m its size; the last
+entry of basis tells of a signal.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.attention import is_called
 
 __all__ = ["backward", "factorise", "forward", "join", "leave", "new_column"]
 
@@ -34,6 +36,8 @@ def factorise(M: FloatArray, n: int, R: FloatArray, basis: IntArray) -> int:
             m += 1
     i = 0
     while i < m:
+        if is_called(basis):
+            return i
         k = basis[n + i]
         source, row = M[k], R[i]
         for j in range(i, m):

@@ -39,7 +39,7 @@ APART = 1e-6  # relative distance of two solutions
 
 def enumeration_workspace(capacity: int) -> tuple[FloatArray, IntArray]:
     """Work arrays (table, order) of :func:`enumerate_active_sets` for problems of up to ``capacity`` unknowns."""
-    return np.zeros((capacity + 3, capacity + 1)), np.zeros(2 * capacity, dtype=np.int64)
+    return np.zeros((capacity + 3, capacity + 1)), np.zeros(2 * capacity + 1, dtype=np.int64)
 
 
 @kernel

@@ -7,22 +7,57 @@ problem exactly.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from lcpflex.jit.kernel import FloatArray
-from lcpflex.solvers.certificate import GUARD, ROUNDING, residual_parts, strict_residual
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.solvers.certificate import GUARD, ROUNDING, own_load
 from lcpflex.solvers.lcp.exact_systems import fractions
 
 if TYPE_CHECKING:
-    from lcpflex.solvers.balance import Units
     from lcpflex.solvers.problem import Lcp
 
-__all__ = ["residual_in_fractions"]
+__all__ = ["Contacts", "OwnParts", "largest_of_each", "own_parts", "residual_in_fractions"]
 
 LARGEST = 48  # unknowns
 LEFT = 8.0  # roundings of each term by which floats may be off from a solution
+
+
+Contacts = tuple[int, IntArray]  # their number, and the contact of each tangential row
+
+
+class OwnParts(NamedTuple):
+    """Of each contact, or of each row (n_units,): what it misses, the size of its terms, and what it is measured by."""
+
+    miss: FloatArray
+    terms: FloatArray
+    own: FloatArray
+
+
+def own_parts(data: tuple[FloatArray, FloatArray], z: FloatArray, w: FloatArray, contacts: Contacts | None) -> OwnParts:
+    """What :func:`lcpflex.solvers.certificate.measured` is told of a point z (n,) whose w (n,) is known.
+
+    data: M and q in the units in which this counts; contacts: ``Lcp.contacts``, None where each row stands for itself.
+    """
+    M, q = data
+    sizes = np.abs(M)
+    rows, load = sizes.max(axis=1, initial=0.0), np.abs(q)
+    terms = sizes @ np.abs(z) + load
+    miss = np.abs(np.minimum(np.where(rows > 0.0, rows, 1.0) * z, w))
+    if contacts is not None:
+        miss, terms, load = (largest_of_each(values, *contacts) for values in (miss, terms, load))
+    largest = float(load.max(initial=0.0))
+    own = [own_load(*each, largest) for each in zip(terms.tolist(), load.tolist(), strict=True)]
+    return OwnParts(miss, terms, np.array(own))
+
+
+def largest_of_each(values: FloatArray, count: int, tangent: IntArray) -> FloatArray:
+    """The largest of the rows of each of ``count`` contacts: its normal and, block by block, those of its tangent."""
+    largest = values[:count].copy()
+    for first in range(count, len(values), max(len(tangent), 1)):
+        largest[tangent] = np.maximum(largest[tangent], values[first : first + len(tangent)])
+    return largest
 
 
 def residual_in_fractions(problem: Lcp, z: FloatArray) -> tuple[FloatArray, float] | None:
@@ -40,24 +75,23 @@ def residual_in_fractions(problem: Lcp, z: FloatArray) -> tuple[FloatArray, floa
             w[i] = float(sum((a * x for a, x in zip(row, point, strict=True) if a and x), q))
     except OverflowError:
         return None
-    return w, max(_against_load(*measured, z, w) for measured in problem.measures())
+    worst = 0.0
+    for M, right, units, contacts in problem.measures():
+        inward = (z, w) if units is None else (units.inward(z), w * (units.d / units.load))
+        miss, _, own = own_parts((M, right), *inward, contacts)
+        with np.errstate(all="ignore"):
+            worst = max(worst, float(np.where(miss > 0.0, miss / own, 0.0).max(initial=0.0)))
+    return w, worst
 
 
 def _lost(problem: Lcp, z: FloatArray) -> bool:
     """Whether z may be a solution as far as floats can tell, which is not far enough."""
-    for M, q, units in problem.measures():
-        worst, size, load = residual_parts(M, q, z if units is None else units.inward(z), len(z))
-        if not worst <= LEFT * len(z) * ROUNDING * size < np.inf:
-            return False
-        if ROUNDING * size > GUARD * load > 0.0:
-            return True
-    return False
-
-
-def _against_load(M: FloatArray, q: FloatArray, units: Units | None, z: FloatArray, w: FloatArray) -> float:
-    """max_i |min(d_i z_i, w_i)| / max_i |q_i| in these units, d_i the largest |M_ij|, 1 in a row of zeros."""
-    if units is not None:
-        z, w = units.inward(z), w * (units.d / units.load)
-    rows = np.abs(M).max(axis=1)
-    worst = np.abs(np.minimum(np.where(rows > 0.0, rows, 1.0) * z, w)).max()
-    return float(strict_residual(worst, np.abs(q).max()))
+    lost = False
+    with np.errstate(all="ignore"):
+        for M, q, units, contacts in problem.measures():
+            point = z if units is None else units.inward(z)
+            miss, terms, own = own_parts((M, q), point, M @ point + q, contacts)
+            if not (miss <= LEFT * len(z) * ROUNDING * terms).all() or not (terms < np.inf).all():
+                return False
+            lost = lost or bool((ROUNDING * terms > GUARD * own).any())
+    return lost

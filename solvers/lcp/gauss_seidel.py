@@ -18,6 +18,7 @@ import numpy as np
 from lcpflex.basics.options import keep_number
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, posed
+from lcpflex.solvers.attention import is_called, listening
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.clock import grown
 from lcpflex.solvers.lcp.lemke import lemke_workspace
@@ -92,7 +93,7 @@ def projected_gauss_seidel(
     for i in range(n):
         point[i] = z[i]
         start = max(start, z[i], abs(q[i]))
-    while sweeps < limit:
+    while sweeps < limit and not is_called(basis):
         size = _sweep(M, q, n, omega, point)
         sweeps += 1
         if not size < RUNAWAY * start:
@@ -155,6 +156,7 @@ class GaussSeidel:
         if guess is not None and guess.z.shape == (n,) and math.isfinite(float(guess.z.sum())):
             np.maximum(guess.z, 0.0, out=z)
         table, basis = lemke_workspace(n)
+        basis, ear = listening(basis, n)
         start, point = z.copy(), np.zeros(n)
 
         def swept(most: int) -> tuple[int, int, bool]:
@@ -163,7 +165,7 @@ class GaussSeidel:
                 *problem._data, n, z, self.relaxation, self.tolerance, most, point, table, basis
             )
 
-        (code, sweeps, pivoted), cut = grown(swept, self.sweep_limit, n, lambda found: found[0] == ITERATION_LIMIT)
+        (code, sweeps, pivoted), cut = grown(swept, self.sweep_limit, n, lambda found: found[0] == ITERATION_LIMIT, ear)
         status = Status.TIME_LIMIT if cut else Status(code)
         return accept(
             problem,

@@ -13,12 +13,13 @@ residual test is tried again with another perturbation, scaling and covering vec
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.solvers.arguments import check_guess, posed
+from lcpflex.solvers.attention import is_called, listening
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.clock import grown
 from lcpflex.solvers.lcp.lexicographic import lexicographic_path
@@ -63,9 +64,10 @@ def lemke_workspace(capacity: int) -> tuple[FloatArray, IntArray]:
     """Work arrays (table, basis) of :func:`lemke` for problems of up to ``capacity`` unknowns.
 
     table (capacity + 13, capacity + 1): the tableau, then the rows that ``tableau`` names;
-    basis (4 capacity + 2,): labels of the rows and columns of the tableau, and the columns of the labels.
+    basis (4 capacity + 3,): labels of the rows and columns of the tableau, the columns of the labels, and whether a
+    signal has come (:mod:`lcpflex.solvers.attention`).
     """
-    return np.empty((capacity + EXTRA, capacity + 1)), np.empty(4 * capacity + 2, dtype=np.int64)
+    return np.empty((capacity + EXTRA, capacity + 1)), np.zeros(4 * capacity + 3, dtype=np.int64)
 
 
 @kernel
@@ -163,7 +165,7 @@ def _path(
     """
     true, shifted = table[n + TRUE], table[n + SHIFTED]
     pivots, restarts, status, s, waiting = 0, 0, ITERATION_LIMIT, n, 0
-    while pivots < pivot_limit:
+    while pivots < pivot_limit and not is_called(basis):
         waiting = exchange(table, n, r, s, waiting)
         pivots += 1
         left = basis[r]
@@ -302,6 +304,8 @@ def lemke(
         number = max(turn - 1, 0)
         if (number >= LATE and status != NUMERICAL_FAILURE) or (n > FEW and total > PATHS * pivot_limit):
             break
+        if is_called(basis):
+            break
         if turn == 1:
             ended, pivots, residual = lexicographic_attempt(M, q, n, table, basis, pivot_limit)
         else:
@@ -360,6 +364,7 @@ class Lemke:
         n = problem.size
         M, q = problem._data
         table, basis = lemke_workspace(n)
+        basis, ear = listening(basis, n)
         route = "lemke"
         if guess is not None and guess.active is not None and guess.active.shape == (n,):
             z = np.zeros(n)
@@ -371,19 +376,23 @@ class Lemke:
             route = f"{BASIS} (failed) > lemke"
         limit = pivot_budget(n) if self.pivot_limit is None else self.pivot_limit
         (code, pivots, residual), cut = grown(
-            lambda most: attempt(M, q, n, table, basis, 0, most), limit, n, lambda found: found[0] == ITERATION_LIMIT
+            lambda most: attempt(M, q, n, table, basis, 0, most),
+            limit,
+            n,
+            lambda found: found[0] == ITERATION_LIMIT,
+            ear,
         )
         z = table[n + CANDIDATE, :n]
         if residual > GOOD and not cut:
             # Called by itself, for the ladder of attempts takes time to compile and is seldom needed.
             z = np.zeros(n)
             (code, pivots), cut = grown(
-                lambda most: lemke(M, q, n, z, table, basis, most), limit, n, lambda found: found[0] != SOLVED
+                lambda most: lemke(M, q, n, z, table, basis, most), limit, n, lambda found: found[0] != SOLVED, ear
             )
             if z[basis[:n] == 0].any():  # a last repair that made the point worse has left its basis
                 basis[:n] = z > 0.0
         status = Status.SOLVED if residual <= GOOD or code == SOLVED else Status.TIME_LIMIT if cut else Status(code)
-        return accept(
+        found = accept(
             problem,
             z,
             tolerance=self.tolerance,
@@ -393,3 +402,9 @@ class Lemke:
             active=basis[:n].copy() if status is Status.SOLVED else None,
             certificate=table[n + DIRECTION, :n].copy() if status is Status.RAY else None,
         )
+        if found.solved or status is not Status.SOLVED:
+            return found
+        from lcpflex.solvers.lcp.repairing import repaired  # which works in the memory of this module
+
+        mended = repaired(problem, found, self.tolerance)
+        return found if mended is None else replace(mended, route=f"{route} > {mended.route}", iterations=pivots)

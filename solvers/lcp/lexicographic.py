@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.attention import is_called
 from lcpflex.solvers.lcp.tableau import COLUMNS, PIVOT, TRUE
 from lcpflex.solvers.status import ITERATION_LIMIT, RAY, SOLVED
 
@@ -109,7 +110,7 @@ def lexicographic_path(table: FloatArray, basis: IntArray, n: int, pivot_limit: 
         if b[i] / cover[i] <= lowest:  # of equal ones the last: its own perturbation is the smallest
             r, lowest = i, b[i] / cover[i]
     s, pivots, status = n, 0, ITERATION_LIMIT
-    while pivots < pivot_limit:
+    while pivots < pivot_limit and not is_called(basis):
         pivot(table, n, r, s)
         pivots += 1
         left = basis[r]

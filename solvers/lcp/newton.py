@@ -15,6 +15,7 @@ import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, posed
+from lcpflex.solvers.attention import is_called, listening
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.clock import grown
 from lcpflex.solvers.lcp.pivoting import solve_active
@@ -38,7 +39,7 @@ def newton_workspace(capacity: int) -> tuple[FloatArray, FloatArray, IntArray]:
     return (
         np.zeros((6, capacity)),
         np.zeros((2 * capacity + 3, capacity + 3)),
-        np.zeros(3 * capacity, dtype=np.int64),
+        np.zeros(3 * capacity + 1, dtype=np.int64),
     )
 
 
@@ -157,7 +158,7 @@ def min_map_newton(
                 point[i] = z[i]
         merit = _min_map(M, q, n, point, d, w)
         proximity, patience, stale = 0.0, PATIENCE, 0
-        while count < limit and merit < np.inf and stale < STALE:
+        while count < limit and merit < np.inf and stale < STALE and not is_called(basis):
             count += 1
             _newton_point(M, q, n, point, d, w, proximity, target, shifted, table, basis)
             reached = _step(M, q, n, point, d, merit, patience > 0 and proximity == 0.0, target, trial, w)
@@ -220,6 +221,7 @@ class MinMapNewton:
         if warm:
             z[:] = guess.z  # type: ignore[union-attr]
         vectors, table, basis = newton_workspace(n)
+        basis, ear = listening(basis, n)
         limit = 200 + n if self.iteration_limit is None else self.iteration_limit
         start = z.copy()
 
@@ -227,7 +229,7 @@ class MinMapNewton:
             z[:] = start
             return min_map_newton(*problem._data, n, z, warm, self.tolerance, most, vectors, table, basis)
 
-        (code, count), cut = grown(iterated, limit, n, lambda found: found[0] == ITERATION_LIMIT)
+        (code, count), cut = grown(iterated, limit, n, lambda found: found[0] == ITERATION_LIMIT, ear)
         status = Status.TIME_LIMIT if cut else Status(code)
         return accept(
             problem,

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.attention import is_called
 from lcpflex.solvers.certificate import guarded_residual, row_parts
 from lcpflex.solvers.lcp.active_factor import backward
 
@@ -70,9 +71,12 @@ def eliminate(table: FloatArray, order: IntArray, m: int, complete: bool, least:
     """Upper triangle of the first m rows and columns, the right-hand side in column m; returns the rank.
 
     The pivot is the largest entry of the row or, with ``complete``, of all that is left; the order falls short of m at
-    the first one that is not above ``least``. order[:m], the unknowns of the columns, is permuted with them.
+    the first one that is not above ``least``, or where a signal has come. order[:m], the unknowns of the columns, is
+    permuted with them; its last entry is 0 else (:mod:`lcpflex.solvers.attention`).
     """
     for k in range(m):
+        if is_called(order):
+            return k
         r, s = k, k
         for i in range(k, m if complete else k + 1):
             for c in range(k, m):
@@ -109,6 +113,8 @@ def block_pivots(
     fewest, patience = n + 1, PATIENCE
     sign = table[n]
     for count in range(1, limit + 1):
+        if is_called(basis):
+            break
         solve_active(M, q, n, z, table, basis)
         worst, size, load = 0.0, 0.0, 0.0
         for i in range(n):

@@ -22,6 +22,7 @@ import numpy as np
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.solvers.arguments import check_guess, posed
+from lcpflex.solvers.attention import is_called, listening
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.clock import grown
 from lcpflex.solvers.lcp.active_factor import backward, factorise, forward, join, leave, new_column
@@ -48,9 +49,10 @@ def principal_pivoting_workspace(capacity: int) -> tuple[FloatArray, IntArray]:
     """Work arrays (factor, basis) of :func:`principal_pivoting` for problems of up to ``capacity`` unknowns.
 
     factor (capacity + 5, capacity): the rows of R, then the square roots of the diagonal, w, and three vectors;
-    basis (3 capacity,): which z are basic, the order in which they stand in R, which signs are wrong.
+    basis (3 capacity + 1,): which z are basic, the order in which they stand in R, which signs are wrong, and whether a
+    signal has come (:mod:`lcpflex.solvers.attention`).
     """
-    return np.empty((capacity + 5, capacity)), np.zeros(3 * capacity, dtype=np.int64)
+    return np.empty((capacity + 5, capacity)), np.zeros(3 * capacity + 1, dtype=np.int64)
 
 
 @kernel
@@ -190,6 +192,8 @@ def _raise(
     """
     x, y, slack = R[n + 4], R[n + 3], R[n + 1, r]
     for count in range(limit):
+        if is_called(basis):
+            break
         pivot = new_column(M, n, R, basis, m, r, y)
         for j in range(m):
             x[j] = y[j]
@@ -257,7 +261,7 @@ def block_exchanges(
             basis[i] = 1 if q[i] < 0.0 else 0
     fewest, patience, pivots = n + 1, PATIENCE, 0
     m, singly = 0, False
-    while pivots < pivot_limit and patience >= 0:
+    while pivots < pivot_limit and patience >= 0 and not is_called(basis):
         m = _exchange(M, n, factor, basis, m)
         size = _solve_active(M, q, n, z, factor, basis, m)
         pivots += 1
@@ -284,7 +288,7 @@ def single_exchanges(
     for i in range(n):
         basis[2 * n + i] = 0
     m, singly, pivots = 0, True, 0
-    while pivots < pivot_limit:
+    while pivots < pivot_limit and not is_called(basis):
         m = _exchange(M, n, factor, basis, m)
         size = _solve_active(M, q, n, z, factor, basis, m)
         pivots += 1
@@ -368,10 +372,11 @@ class PrincipalPivoting:
             basis[:n] = guess.active == 1
             warm = True
         limit = 100 + 20 * n if self.pivot_limit is None else self.pivot_limit
-        start = basis.copy()
+        basis, ear = listening(basis, n)
+        start = basis[:-1].copy()
 
         def exchanged(most: int) -> tuple[int, int]:
-            basis[:] = start
+            basis[:-1] = start
             code, pivots = block_exchanges(M, q, n, z, factor, basis, warm, self.tolerance, most)
             if code == SOLVED:
                 return code, pivots
@@ -379,7 +384,7 @@ class PrincipalPivoting:
             code, more = single_exchanges(M, q, n, z, factor, basis, self.tolerance, most - pivots)
             return code, pivots + more
 
-        (code, pivots), cut = grown(exchanged, limit, n, lambda found: found[0] == ITERATION_LIMIT)
+        (code, pivots), cut = grown(exchanged, limit, n, lambda found: found[0] == ITERATION_LIMIT, ear)
         return accept(
             problem,
             z,

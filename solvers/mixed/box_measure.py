@@ -14,8 +14,8 @@ import numpy.typing as npt
 
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.balance import Units, in_units, lcp_units
-from lcpflex.solvers.certificate import all_finite, guarded_residual, is_symmetric, strict_residual
-from lcpflex.solvers.mixed.boxes import box_parts
+from lcpflex.solvers.certificate import all_finite, is_symmetric
+from lcpflex.solvers.mixed.boxes import box_parts, box_sizes
 
 __all__ = ["BoxMeasure"]
 
@@ -60,12 +60,11 @@ class BoxMeasure(NamedTuple):
     def residuals(self, z: FloatArray) -> tuple[float, float]:
         """The residual of z (n,) in the two sizes of a Solution."""
         with np.errstate(all="ignore"):
-            worst, size, load = box_parts(*self.data, z / self.unit, np.empty(len(z)))
-        sizes = guarded_residual(worst, size, load), strict_residual(worst, load)
+            residual, strict = box_sizes(*self.data, z / self.unit, np.empty(len(z)))
         if self.both:
-            worst, size, load = box_parts(*self.given, z, np.empty(len(z)))
-            return max(sizes[0], guarded_residual(worst, size, load)), max(sizes[1], strict_residual(worst, load))
-        return sizes
+            raw = box_sizes(*self.given, z, np.empty(len(z)))
+            return max(residual, raw[0]), max(strict, raw[1])
+        return residual, strict
 
     @property
     def rest(self) -> FloatArray:

@@ -6,9 +6,20 @@ import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.balance import EVEN
-from lcpflex.solvers.certificate import ROUNDING
+from lcpflex.solvers.certificate import ROUNDING, guarded_residual, measured, strict_residual, worse
 
-__all__ = ["CANCELLED", "DOUBLE", "FREE", "SINGLE", "box_parts", "on_bounds", "recover_box", "reduce_box", "sound_box"]
+__all__ = [
+    "CANCELLED",
+    "DOUBLE",
+    "FREE",
+    "SINGLE",
+    "box_parts",
+    "box_sizes",
+    "on_bounds",
+    "recover_box",
+    "reduce_box",
+    "sound_box",
+]
 
 FREE, SINGLE, DOUBLE = 0, 1, 2  # bounds of an unknown
 CANCELLED = 1e-13  # part of its terms below which a sum is rounding
@@ -244,27 +255,60 @@ def box_parts(
     """
     worst, size, load, shifted = 0.0, 0.0, 0.0, False
     for i in range(len(q)):
-        row, terms, total = 0.0, 0.0, 0.0
-        for j in range(len(q)):
-            row = max(row, abs(M[i, j]))
-            total += M[i, j] * z[j]
-            terms += abs(M[i, j]) * abs(z[j])
-        d = row if row > 0.0 else 1.0
-        w[i] = total + q[i]
-        off = d * (z[i] - min(max(z[i] - w[i] / d, lower[i]), upper[i]))
-        terms += abs(q[i])
-        if z[i] != 0.0 and off == 0.0 and abs(w[i]) > CLEAR * terms:  # on its bound, whatever w is rounded to
-            terms = abs(q[i])
+        off, terms, own = box_row(M, q, lower, upper, z, w, i)
         shifted = shifted or 0.0 < abs(lower[i]) < np.inf or 0.0 < abs(upper[i]) < np.inf
-        load = max(load, max(abs(q[i]), d * abs(min(max(0.0, lower[i]), upper[i]))))
-        if not (terms < np.inf and abs(off) < np.inf and load < np.inf):
+        load = max(load, own)
+        if not (terms < np.inf and off < np.inf and load < np.inf):
             return np.inf, np.inf, np.inf
-        worst, size = max(worst, abs(off)), max(size, terms)
+        worst, size = max(worst, off), max(size, terms)
     if load == 0.0 and worst <= ROUNDING * len(q) * size:
         load = size
     if shifted and worst > CLOSE * load:
         size = load
     return worst, max(size, load), load
+
+
+@kernel
+def box_row(
+    M: FloatArray, q: FloatArray, lower: FloatArray, upper: FloatArray, z: FloatArray, w: FloatArray, i: int
+) -> tuple[float, float, float]:
+    """What row i misses, the size of its terms, and its load, as :func:`box_parts` counts them; w_i is written."""
+    row, terms, total = 0.0, 0.0, 0.0
+    for j in range(len(q)):
+        row = max(row, abs(M[i, j]))
+        total += M[i, j] * z[j]
+        terms += abs(M[i, j]) * abs(z[j])
+    d = row if row > 0.0 else 1.0
+    w[i] = total + q[i]
+    off = d * (z[i] - min(max(z[i] - w[i] / d, lower[i]), upper[i]))
+    terms += abs(q[i])
+    if z[i] != 0.0 and off == 0.0 and abs(w[i]) > CLEAR * terms:  # on its bound, whatever w is rounded to
+        terms = abs(q[i])
+    return abs(off), terms, max(abs(q[i]), d * abs(min(max(0.0, lower[i]), upper[i])))
+
+
+@kernel
+def box_sizes(
+    M: FloatArray, q: FloatArray, lower: FloatArray, upper: FloatArray, z: FloatArray, w: FloatArray
+) -> tuple[float, float]:
+    """The residual of a box in the two sizes of a Solution; w (n,) is written.
+
+    Row by row (:func:`lcpflex.solvers.certificate.measured`) where bounds are 0 or infinite, as for an Lcp. Other
+    bounds load the rows of others, too: the whole is then judged by the largest.
+    """
+    load, shifted = 0.0, False
+    for i in range(len(q)):
+        load = max(load, abs(q[i]))
+        shifted = shifted or 0.0 < abs(lower[i]) < np.inf or 0.0 < abs(upper[i]) < np.inf
+    if shifted or load == 0.0:
+        worst, size, load = box_parts(M, q, lower, upper, z, w)
+        return guarded_residual(worst, size, load), strict_residual(worst, load)
+    told, finite = (0.0, 0.0, 0.0), True
+    for i in range(len(q)):
+        off, terms, own = box_row(M, q, lower, upper, z, w, i)
+        finite = finite and off < np.inf and terms < np.inf
+        told = worse(told, measured(off, terms, own, load))
+    return (told[0], told[1]) if finite else (np.inf, np.inf)
 
 
 @kernel

@@ -24,12 +24,20 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.arrays import as_array, check_finite
 from lcpflex.solvers.bilateral import OUTSIDE, eliminated, sum_of
-from lcpflex.solvers.certificate import guarded_residual, strict_residual
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.guard import joined
 from lcpflex.solvers.lcp.exact_systems import ExactSystem, boxed_rows
 from lcpflex.solvers.mixed.box_measure import BoxMeasure
-from lcpflex.solvers.mixed.boxes import DOUBLE, FREE, box_parts, on_bounds, recover_box, reduce_box, sound_box
+from lcpflex.solvers.mixed.boxes import (
+    DOUBLE,
+    FREE,
+    box_parts,
+    box_sizes,
+    on_bounds,
+    recover_box,
+    reduce_box,
+    sound_box,
+)
 from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution, accept, brought_back, confirmed, retold
 
 __all__ = ["BoxedLcp", "MixedLcp"]
@@ -140,10 +148,8 @@ class BoxedLcp:
         w = np.empty(len(point))
         if w.shape != self.q.shape:
             raise ModelError(f"z has shape {point.shape}: expected {self.q.shape}")
-        worst, size, load = box_parts(*self._data, point, w)
-        if not self._bounds[2]:
-            return w, *self._measured().residuals(point)
-        return w, guarded_residual(worst, size, load), strict_residual(worst, load)
+        sizes = box_sizes(*self._data, point, w)
+        return w, *(sizes if self._bounds[2] else self._measured().residuals(point))
 
     def lcp(self) -> Lcp:
         """The LCP that :meth:`recover` leads back from."""

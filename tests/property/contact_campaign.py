@@ -55,11 +55,11 @@ def rows(rng, contacts, bodies, mu):
 
 
 def scales(G, n, tangent, number=np.float64):
-    """1 / sqrt(max(G_NN, G_TT)) of every contact; one that cannot move takes the smallest of the others."""
+    """1 / sqrt(max(G_NN, G_TT)) of every contact; one that cannot move at all takes the smallest of the others."""
     D = np.diag(G)[:n].copy()
     D[tangent] = np.maximum(D[tangent], np.diag(G)[n:])
     largest = D.max(initial=0.0) or 1.0
-    return 1 / np.sqrt(np.where(1e-13 * largest < D, D, largest).astype(number))
+    return 1 / np.sqrt(np.where(D > 0.0, D, largest).astype(number))
 
 
 def draw(seed, largest=40):
@@ -114,17 +114,40 @@ def judged(problem, z, number=np.longdouble):
     row = np.where(row == 0, 1, row)
     terms = abs(columns) @ abs(p) + (abs(G[:, n:]) @ abs(right) if len(tangent) else 0) + abs(free)
     terms[n:] = terms[n:] + abs(left)
-    wrong = abs(np.minimum(row * np.concatenate([p, right]), w)).max()
+    wrong = abs(np.minimum(row * np.concatenate([p, right]), w))
+    load = abs(free)
     if len(tangent):
         lift = np.maximum(2 * mus[tangent], 1)
-        wrong = max(wrong, abs(np.minimum(lift * left, last)).max())
+        wrong = np.concatenate([wrong, abs(np.minimum(lift * left, last))])
         terms = np.concatenate([terms, 2 * abs(edge) + abs(right)])
-    size, load = terms.max(), abs(free).max()
-    if load == 0:
+    largest = max(load, default=0)
+    sizes = [
+        sizes_of(*(max(values[rows]) for values in (wrong, terms)), max(load[rows[:2]]), largest)
+        for k, rows in enumerate(rows_of_contacts(mu))
+    ]
+    return tuple(max(each) for each in zip(*sizes, strict=True))
+
+
+def rows_of_contacts(mu):
+    """The rows of each contact in the form of three unknowns: normal, tangent, bound."""
+    n, tangent = len(mu), np.flatnonzero(mu).tolist()
+    rows = [[k] for k in range(n)]
+    for j, k in enumerate(tangent):
+        rows[k] += [n + j, n + len(tangent) + j]
+    return rows
+
+
+def sizes_of(wrong, terms, load, all_else):
+    """What a contact misses relative to its terms, guarded, and to its load, by the definition."""
+    if wrong == 0 and ROUNDING * terms <= GUARD * load:
+        return 0.0, 0.0
+    own = max(load, min(terms, all_else))
+    if own == 0:
         return (0.0, 0.0) if wrong == 0 else (np.inf, np.inf)
-    strict = float(wrong / load)
-    terms_size = strict if wrong > GUARD * load else float(wrong / size)
-    return max(terms_size, float(ROUNDING * size / load) if ROUNDING * size > GUARD * load else 0.0), strict
+    strict = float(wrong / own)
+    size = max(terms, own)
+    residual = strict if wrong > GUARD * own else float(wrong / size)
+    return max(residual, float(ROUNDING * size / own) if ROUNDING * size > GUARD * own else 0.0), strict
 
 
 def moved(problem, force):

@@ -12,7 +12,7 @@ from lcpflex.dynamics.islands import find_islands
 from lcpflex.dynamics.joint_response import condense
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.solvers.balance import contact_units
+from lcpflex.solvers.balance import DEAD, contact_units
 
 __all__ = [
     "describe_contacts",
@@ -97,7 +97,7 @@ def describe_island(work: SpatialWork, i: int) -> None:
         unit[c] = max(nn, max(aa, bb))
         work.own[k] = nn
         work.effect[k] = work.free[r]
-    contact_units(unit, n)
+    contact_units(unit, n, DEAD)
     weigh_load(work, i)
 
 

@@ -15,9 +15,9 @@ import math
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.solvers.certificate import guarded_residual, row_parts, strict_residual
+from lcpflex.solvers.certificate import measured, row_parts, worse
 
-__all__ = ["cone_parts", "nearest_in_cone", "natural_miss", "weigh_cones"]
+__all__ = ["cone_parts", "cone_sizes", "nearest_in_cone", "natural_miss", "weigh_cones"]
 
 SMALLEST, LARGEST = 1e-280, 1e300  # squares between which a sum of two of them loses nothing
 
@@ -100,6 +100,46 @@ def cone_parts(
 
 
 @kernel
+def cone_sizes(
+    forces: FloatArray,
+    velocity: FloatArray,
+    terms: FloatArray,
+    free: FloatArray,
+    friction: FloatArray,
+    units: FloatArray,
+    n: int,
+    missed: FloatArray,
+) -> tuple[float, float, float]:
+    """The largest over n contacts of the three sizes of :func:`lcpflex.solvers.certificate.measured`.
+
+    Arrays as in :func:`cone_parts`. Out, unless it is empty: what is left of the own load of each contact, missed (n,).
+    """
+    largest = 0.0
+    for i in range(3 * n):
+        largest = max(largest, units[i // 3] * abs(free[i]))
+    told, finite = (0.0, 0.0, 0.0), True
+    for k in range(n):
+        i, unit = 3 * k, units[k]
+        miss = natural_miss(
+            forces[i], forces[i + 1], forces[i + 2], velocity[i], velocity[i + 1], velocity[i + 2], friction[k], unit
+        )
+        size, load = 0.0, 0.0
+        for j in range(i, i + 3):
+            load = max(load, unit * abs(free[j]))
+            size = max(size, unit * terms[j])
+            # NaN fails every comparison, and max() may drop it: each number is asked for by itself.
+            if not (unit * terms[j] < np.inf and abs(velocity[j]) < np.inf and miss < np.inf):
+                finite = False
+        own = measured(miss, size, load, largest)
+        if len(missed) > 0:
+            missed[k] = own[1]
+        told = worse(told, own)
+    if not finite:
+        return np.inf, np.inf, np.inf
+    return told
+
+
+@kernel
 def weigh_cones(
     W: FloatArray,
     free: FloatArray,
@@ -109,8 +149,8 @@ def weigh_cones(
     n: int,
     velocity: FloatArray,
     terms: FloatArray,
-) -> tuple[float, float]:
-    """Velocities W forces + free, and the residual of n contacts in its two sizes: of the terms, and strict.
+) -> tuple[float, float, float]:
+    """Velocities W forces + free, and the sizes of :func:`cone_sizes` of n contacts.
 
     W (cap, cap) dense; the others as in :func:`cone_parts`. Out: velocity and terms (3 n,).
     """
@@ -119,7 +159,4 @@ def weigh_cones(
         caused, size, _ = row_parts(W[i], forces, m)
         velocity[i] = caused + free[i]
         terms[i] = size + abs(free[i])
-    worst, size, load = cone_parts(forces, velocity, terms, free, friction, units, n)
-    if worst == np.inf:
-        return np.inf, np.inf
-    return guarded_residual(worst, size, load), strict_residual(worst, load)
+    return cone_sizes(forces, velocity, terms, free, friction, units, n, units[:0])

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.jit.kernel import kernel
-from lcpflex.solvers.balance import contact_units
+from lcpflex.solvers.balance import DEAD, contact_units
 from lcpflex.solvers.certificate import ROUNDING, guarded_residual, strict_residual, terms_residual
 from lcpflex.solvers.contact.cones.certificate import cone_parts
 from lcpflex.solvers.contact.cones.local import NONE, solve_cone
@@ -70,7 +70,7 @@ def describe(data: SpatialContactData, memory: SpatialSolverMemory) -> None:
         own[k, 0], own[k, 1], own[k, 2] = G[i, i], G[i, i + 1], G[i, i + 2]
         own[k, 3], own[k, 4], own[k, 5] = G[i + 1, i + 1], G[i + 1, i + 2], G[i + 2, i + 2]
         unit[k] = max(own[k, 0], max(own[k, 3], own[k, 5]))
-    contact_units(unit, n)
+    contact_units(unit, n, DEAD)
     load = 0.0
     for r in range(3 * n):
         load = max(load, unit[r // 3] * max(abs(data.free[r]), FLOOR * data.terms[r]))

@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.attention import is_called
 from lcpflex.solvers.contact.cones.alart_curnier import contact_miss, lengths, mixed_rows
 from lcpflex.solvers.contact.cones.certificate import natural_miss
 from lcpflex.solvers.contact.cones.linear import solve_general
@@ -58,7 +59,7 @@ class ConeWork(NamedTuple):
     best: FloatArray  # (m,)
     table: FloatArray  # (m, m) the Jacobian, if that is dense
     small: FloatArray  # (22,) two blocks and the last values
-    pivots: IntArray  # (m,)
+    pivots: IntArray  # (m + 1,), and whether a signal has come: lcpflex.solvers.attention
 
 
 def cone_work(n: int, dense: bool = True) -> ConeWork:
@@ -66,7 +67,7 @@ def cone_work(n: int, dense: bool = True) -> ConeWork:
     m = 3 * n
     u, miss, step, point, trial, centre, base, best = np.zeros((8, m))
     side = m if dense else 0
-    table, small, pivots = np.zeros((side, side)), np.zeros(18 + MEMORY), np.zeros(m, dtype=np.int64)
+    table, small, pivots = np.zeros((side, side)), np.zeros(18 + MEMORY), np.zeros(m + 1, dtype=np.int64)
     return ConeWork(np.ones((n, 2)), u, miss, step, point, trial, centre, base, best, table, small, pivots)
 
 
@@ -207,7 +208,7 @@ def newton(
     least, count = value, 0
     for i in range(MEMORY):
         last[i] = value if i == 0 else 0.0
-    while value > goal and solved < limit and not expired():
+    while value > goal and solved < limit and not (expired() or is_called(work.pivots)):
         shift, length = SHIFT, np.inf
         size = _moved(point, 0.0, point, m, work.trial)
         while not length <= ABSURD * max(size, 1.0) and shift <= STRONGEST and solved < limit:
@@ -268,7 +269,7 @@ def proximal(
     _copied(forces, m, work.best)
     _copied(forces, m, work.base)
     _copied(forces, m, work.centre)
-    while least > tolerance and solved < limit and not expired():
+    while least > tolerance and solved < limit and not (expired() or is_called(work.pivots)):
         _copied(work.centre, m, forces)
         left, steps = newton(W, free, friction, n, alpha, forces, ROUNDING, min(TRIED, limit - solved), work)
         solved += max(steps, 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.attention import Ear, listening
 from lcpflex.solvers.contact.cones.blocks import ConeBlocks, newton_on_blocks, proximal_on_blocks
 from lcpflex.solvers.contact.cones.newton import cone_work, newton, proximal
 from lcpflex.solvers.contact.cones.sweeps import sweep_cone_blocks, sweep_cone_factor, sweep_cones
@@ -46,6 +48,7 @@ class ConeRun:
         self.dense: FloatArray | None = None
         self.blocks: ConeBlocks | None = None
         self._work: Any = None
+        self.ear: Ear | None = None
         matrix = problem.matrix()
         if matrix is None:
             J = libs.sparse.csr_array(problem.factor)
@@ -85,17 +88,30 @@ class ConeRun:
     def newton(self, forces: FloatArray, limit: int) -> int:
         """Newton's method from the forces to the best point, in place; how many linear systems were solved."""
         method = newton if self.dense is not None else newton_on_blocks
-        return int(method(self._operator(), *self.problem._data[1:3], self.n, 0.0, forces, GOAL, limit, self._work)[1])
+        arguments = (self._operator(), *self.problem._data[1:3], self.n, 0.0, forces, GOAL, limit, self._work)
+        return self._heard(forces, lambda: method(*arguments))
 
     def proximal(self, forces: FloatArray, tolerance: float, limit: int) -> int:
         """Proximal points from the forces to the best point, in place; how many linear systems were solved."""
         method = proximal if self.dense is not None else proximal_on_blocks
-        data = self.problem._data[1:3]
-        return int(method(self._operator(), *data, self.n, forces, tolerance, limit, self._work)[1])
+        arguments = (self._operator(), *self.problem._data[1:3], self.n, forces, tolerance, limit, self._work)
+        return self._heard(forces, lambda: method(*arguments))
+
+    def _heard(self, forces: FloatArray, advance: Callable[[], tuple[float, int]]) -> int:
+        """How many linear systems it took to advance the forces, from where they are however often a signal comes."""
+        start = forces.copy()
+
+        def solve() -> tuple[float, int]:
+            forces[:] = start
+            return advance()
+
+        return int((solve() if self.ear is None else self.ear(solve))[1])
 
     def _operator(self) -> Any:
         if self._work is None:
-            self._work = cone_work(self.n, dense=self.dense is not None)
+            work = cone_work(self.n, dense=self.dense is not None)
+            pivots, self.ear = listening(work.pivots, self.problem.size)
+            self._work = work._replace(pivots=pivots)
         return self.dense if self.dense is not None else self.blocks
 
 

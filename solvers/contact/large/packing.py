@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.solvers.balance import contact_units
+from lcpflex.solvers.balance import DEAD, contact_units
 from lcpflex.solvers.contact.large.memory import FRICTIONAL, HINGE, JOINT_ROW, NORMAL, BodyContacts, LargeMemory
 
 __all__ = ["add_impulses", "pack", "unpack", "velocities"]
@@ -31,7 +31,7 @@ def pack(problem: BodyContacts, memory: LargeMemory) -> None:
     memory.n_units = list_joints(problem, memory, n)
     for k in range(memory.n_units):
         pack_unit(problem, memory, k)
-    contact_units(memory.scale, memory.n_units)
+    contact_units(memory.scale, memory.n_units, DEAD)
     load = 0.0
     for k in range(memory.n_units):
         load = max(load, scale_unit(problem, memory, k))

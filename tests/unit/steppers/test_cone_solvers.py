@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
+from lcpflex.solvers.certificate import guarded_residual
 from lcpflex.solvers.contact.cones.local import solve_cone
 from lcpflex.solvers.contact.posed import posed_problem, tried_point
 
@@ -70,7 +71,7 @@ def test_problems_are_told() -> None:
 
     def watch(data: Any, memory: Any) -> None:
         problem = posed_problem(data, memory)
-        told.append((problem.size, problem.residual(tried_point(memory))))
+        told.append((problem.size, guarded_residual(*problem.residual_parts(tried_point(memory)))))  # as the run judges
 
     assert np.array_equal(stepped(watch=watch).u, stepped().u)
     assert len(told) > 30
