@@ -11,8 +11,8 @@ import lcpflex as lf
 
 STEPPERS = [
     pytest.param(lf.MoreauJean(step=1e-3), id="moreau"),
-    pytest.param(lf.GeneralizedAlpha(step=1e-3), id="alpha"),
-    pytest.param(lf.EventDriven(), id="events"),
+    pytest.param(lf.GeneralizedAlpha(step=1e-3), id="alpha", marks=pytest.mark.slow),
+    pytest.param(lf.EventDriven(), id="events", marks=pytest.mark.slow),
 ]
 
 

@@ -14,8 +14,8 @@ from lcpflex.results.summary import doubts
 
 STEPPERS = [
     pytest.param(lf.MoreauJean(step=1e-3), id="moreau"),
-    pytest.param(lf.GeneralizedAlpha(step=1e-3), id="alpha"),
-    pytest.param(lf.EventDriven(), id="events"),
+    pytest.param(lf.GeneralizedAlpha(step=1e-3), id="alpha", marks=pytest.mark.slow),
+    pytest.param(lf.EventDriven(), id="events", marks=pytest.mark.slow),
 ]
 # of pi^2 E I / L^2: the least positive root of the determinant of each pair of ends (Timoshenko & Gere)
 CRITICAL = {"pinned": 1.0, "cantilever": 0.25, "clamped": 4.0, "propped": 4.493409458**2 / math.pi**2}

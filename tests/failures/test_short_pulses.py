@@ -93,7 +93,15 @@ def test_a_system_of_the_users_own_tells_what_its_steps_missed() -> None:
     assert not doubts(lf.simulate(scene, 1.0, lf.MoreauJean(step=1e-4), progress=False))
 
 
-@pytest.mark.parametrize("stepper", FIXED, ids=["moreau", "theta", "alpha", "verlet"])
+@pytest.mark.parametrize(
+    "stepper",
+    [
+        pytest.param(FIXED[0], id="moreau"),
+        pytest.param(FIXED[1], id="theta", marks=pytest.mark.slow),
+        pytest.param(FIXED[2], id="alpha"),
+        pytest.param(FIXED[3], id="verlet", marks=pytest.mark.slow),
+    ],
+)
 @pytest.mark.parametrize(("at", "width"), [(0.4103, 3e-5), (0.5, 2e-4), (0.90008, 1.5e-5)])
 def test_fixed_steps_that_miss_it_are_not_to_be_trusted(stepper: Any, at: float, width: float) -> None:
     result = lf.simulate(plane((jump(at, width, 3.0 / width), 0.0)), 1.0, stepper, progress=False)

@@ -116,7 +116,14 @@ def test_others_balance_to_their_error(build: Any, stepper: Any, bound: float) -
     balanced(build(), stepper, bound)
 
 
-@pytest.mark.parametrize("stepper", [EXACT[0], CONTROLLED[0][0], CONTROLLED[1][0]], ids=["moreau", "events", "alpha"])
+@pytest.mark.parametrize(
+    "stepper",
+    [
+        pytest.param(EXACT[0], id="moreau"),
+        pytest.param(CONTROLLED[0][0], id="events", marks=pytest.mark.slow),
+        pytest.param(CONTROLLED[1][0], id="alpha", marks=pytest.mark.slow),
+    ],
+)
 def test_impacts_and_joints_are_told_apart_from_it(stepper: Any) -> None:
     """The wall takes what a wall takes; a joint at rest does no work."""
     bounced = lf.simulate(struck(), 0.5, stepper, progress=False)
