@@ -41,12 +41,14 @@ Way: TypeAlias = tuple[FloatArray, bool]  # shapes (n,) of the modes, and whethe
 class PartedModes(NamedTuple):
     """A model whose static modes stay where joints and springs act, and its coordinates by the former ones.
 
+    held: (ndof,) 1/omega^2 [s^2] of what joints and springs hold of them, else 0.
     ``turn``: by body the matrix T (n, n) of q = T q', modal coordinates of the model as it was by those of this one;
     None where they are the same.
     """
 
     model: Model
     flexibility: FloatArray  # (ndof,) 1/omega^2 [s^2] of static coordinates, else 0
+    held: FloatArray
     turn: tuple[FloatArray | None, ...]
 
     def coordinates(self, values: FloatArray) -> FloatArray:
@@ -72,7 +74,7 @@ class PartedModes(NamedTuple):
 
 def part_modes(model: Model, flexibility: FloatArray, q: FloatArray) -> PartedModes:
     """Part the modes of positive ``flexibility`` (ndof,), body by body, as the module says; bodies stand at q."""
-    flexibility = flexibility.copy()
+    flexibility, taken = flexibility.copy(), np.zeros(len(flexibility))
     turn: list[FloatArray | None] = []
     stiffness = model.bodies.stiffness.copy()
     for b, (first, last) in enumerate(pairwise(model.bodies.dof.tolist())):
@@ -91,8 +93,10 @@ def part_modes(model: Model, flexibility: FloatArray, q: FloatArray) -> PartedMo
         whole[np.ix_(static, static)] = columns
         turn.append(whole)
         stiffness[own.start + static] = squares
-        flexibility[first + N_RIGID + static] = np.where(np.arange(len(static)) < count, 0.0, 1.0 / squares)
-    return PartedModes(_turned(model, stiffness, turn), flexibility, tuple(turn))
+        flexibility[first + N_RIGID + static[:count]] = 0.0
+        flexibility[first + N_RIGID + static[count:]] = 1.0 / squares[count:]
+        taken[first + N_RIGID + static[:count]] = 1.0 / squares[:count]
+    return PartedModes(_turned(model, stiffness, turn), flexibility, taken, tuple(turn))
 
 
 def _held(model: Model, q: FloatArray, b: int, omega2: FloatArray, static: IntArray) -> FloatArray:

@@ -23,8 +23,18 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 
-__all__ = ["RIGID", "pose_position", "split_forces", "static_response", "static_sway"]
+__all__ = [
+    "RIGID",
+    "friction_before",
+    "given_energy",
+    "held_give",
+    "pose_position",
+    "split_forces",
+    "static_response",
+    "static_sway",
+]
 
+GIVE = 0.1  # part of a compliance that is itself a small part of that of the body: it changes that little
 RIGID = 1e-12  # compliance below this part of the largest of the problem, and of the bodies, is none
 
 
@@ -60,6 +70,43 @@ def static_part(work: Workspace, flexibility: FloatArray, r: int, q: FloatArray)
 
 
 @kernel
+def held_give(work: Workspace, held: FloatArray, r: int) -> float:
+    """What row r gives way by itself [m/N]: a part of the compliance of the modes that joints and springs hold.
+
+    ``held`` (ndof,) 1/omega^2 of these, else 0. Where they act, a contact has no other: what moves there would strike
+    with its mass.
+    """
+    total = 0.0
+    for i in range(2):
+        b = work.row_body[r, i]
+        if b >= 0:
+            d = work.dof[b]
+            for k in range(N_RIGID, work.dof[b + 1] - d):
+                if held[d + k] > 0.0:
+                    total += held[d + k] * work.rows[r, i, k] ** 2
+    return GIVE * total
+
+
+@kernel
+def friction_before(work: Workspace, k: int) -> float:
+    """Friction of contact k at the end of the step before [N]."""
+    for i in range(work.n_held):
+        if work.held_key[0, i] == work.table.key[k]:
+            return work.held_gap[0, i]
+    return 0.0
+
+
+@kernel
+def given_energy(work: Workspace, held: FloatArray) -> float:
+    """Energy that contacts store by what they give way by themselves [J]."""
+    total = 0.0
+    for r in range(work.n_joint, work.n_joint + work.n_contacts + work.n_tangents):
+        if work.p[r] != 0.0:
+            total += 0.5 * held_give(work, held, r) * work.p[r] ** 2
+    return total
+
+
+@kernel
 def spread(work: Workspace, flexibility: FloatArray, first: int, last: int) -> None:
     """solved[r] <- static displacement by a unit force on row r, for first <= r < last."""
     for r in range(first, last):
@@ -78,6 +125,7 @@ def pose_position(
     n: int,
     before: FloatArray,
     flexibility: FloatArray,
+    held: FloatArray,
     load: FloatArray,
     compliance: ContactCompliance,
     unit: FloatArray,
@@ -88,10 +136,10 @@ def pose_position(
     """Pose the problem of the first n contacts of the table at ``work.middle``, reached with ``work.free_u``.
 
     Linearised about the static coordinates there, and about the gaps, which must be those there; ``before`` (ndof,) has
-    the static coordinates before the step, ``load`` those that forces and torques of the scene make. Scaled F and gaps
-    go to work.problem; unit: the unit of force [N], and the largest compliance [m/N]. Returns -1, or the contact that
-    closes without compliance, that is with up to ``least`` [m/N] or a trillionth of the largest; one whose gap is no
-    less than -``slack`` stays open, as where joints hold a body.
+    the static coordinates before the step, ``load`` those that forces and torques of the scene make; ``held`` is for
+    :func:`held_give`. Scaled F and gaps go to work.problem; unit: the unit of force [N], and the largest compliance
+    [m/N]. Returns -1, or the contact that closes without compliance, that is with up to ``least`` [m/N] or a trillionth
+    of the largest; one whose gap is no less than -``slack`` stays open.
     """
     q = work.middle
     n_joint = len(work.residual)
@@ -110,6 +158,8 @@ def pose_position(
     )
     softest = 0.0
     for r in range(total):
+        give = held_give(work, held, n_joint + r)
+        work.problem.delassus[r, r] += give
         b = 0.0
         if r < n:
             b = work.table.gap[r] - static_part(work, flexibility, n_joint + r, q)
@@ -118,6 +168,7 @@ def pose_position(
             slip = row_velocity(work.rows, work.row_body, n_joint + r, work.dof, work.free_u)
             b = step * (slip - 0.5 * step * work.bias[n_joint + r])
             b -= static_part(work, flexibility, n_joint + r, before)
+            b -= give * friction_before(work, work.tangent[r - n])
             b += static_part(work, flexibility, n_joint + r, load)
         work.problem.free[r] = b
         softest = max(softest, work.problem.delassus[r, r])

@@ -29,17 +29,18 @@ MEANT = 0.01  # of the largest compliance of a held surface: less is where no st
 class Mobility:
     """Accelerations of points by forces there, undeformed bodies at q: that of frames and modes with a mass.
 
-    ``held``: whether joints hold the bodies; else each is free, as it stands at rest.
+    ``held``: whether joints hold the bodies; else, and where there are too many, each is free, as it stands at rest.
     """
 
     def __init__(self, model: Model, flexibility: FloatArray, q: FloatArray, held: bool) -> None:
         self._model, self._flexibility = model, flexibility
+        moving = flexibility == 0.0
+        held = held and moving.sum() <= LARGE
         self._q = q if held else np.zeros(len(flexibility))
         M = mass_matrix(model, self._q)
         self._inverse: FloatArray | None = None
         self._M = M
         if held:
-            moving = flexibility == 0.0
             self._inverse = np.zeros_like(M)
             within = np.ix_(moving, moving)
             self._inverse[within] = held_inverse(M[within], _jacobian(model, q)[:, moving])

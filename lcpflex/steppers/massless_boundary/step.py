@@ -17,7 +17,15 @@ from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.joint_reactions import lay_reactions, note_ends
 from lcpflex.dynamics.joint_response import factorise_joints, solve_joints
 from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
-from lcpflex.dynamics.position import pose_position, split_forces, static_response, static_sway
+from lcpflex.dynamics.position import (
+    friction_before,
+    given_energy,
+    held_give,
+    pose_position,
+    split_forces,
+    static_response,
+    static_sway,
+)
 from lcpflex.dynamics.stable_step import admissible
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
@@ -156,14 +164,10 @@ def audit(h: float, drives: float, scheme: BoundaryScheme, work: Workspace, reco
     for k in range(n):
         scheme.force[work.table.law[k], 0] += work.normal[k]
     length = scheme.unit[0] * scheme.unit[1]
-    held = work.n_held
     for j in range(work.n_tangents):
         k = work.tangent[j]
         scheme.force[work.table.law[k], 1] += work.tangential[j]
-        before = 0.0
-        for i in range(held):
-            if work.held_key[0, i] == work.table.key[k]:
-                before = work.held_gap[0, i]
+        before = friction_before(work, k)
         work.held_key[1, j] = work.table.key[k]
         work.held_gap[1, j] = work.tangential[j]
         if h > 0.0 and (before != 0.0 or work.tangential[j] != 0.0):
@@ -243,7 +247,8 @@ def record_forces(model: Model, scheme: BoundaryScheme, t: float, work: Workspac
             state = friction_state(work.normal[k], abs(force_t), work.mu[k], abs(slip), STICKING)
             place = contact_point(model, q, work.table, k)
             note_contact(recorder, work.table.law[k], place, work.table.normal[k], work.normal[k], force_t, state)
-    store_state(model, t, q, u, work, compliance_energy(scheme.compliance, work), recorder)
+    stored = compliance_energy(scheme.compliance, work) + given_energy(work, scheme.held_flexibility)
+    store_state(model, t, q, u, work, stored, recorder)
     turn_back(model, scheme, recorder)
     return needed
 
@@ -286,7 +291,8 @@ def deform(model: Model, scheme: BoundaryScheme, work: Workspace) -> float:
     for k in range(work.n_contacts):
         refresh(model, work.middle, work.table, k)
         if work.normal[k] > 0.0 and (scheme.compliance.some[0] == 0 or work.closed[k] == HARD):
-            left = max(left, abs(work.table.gap[k]))
+            give = held_give(work, scheme.held_flexibility, work.n_joint + k)
+            left = max(left, abs(work.table.gap[k] + give * work.normal[k]))
             displaced = max(displaced, scheme.unit[1] * work.problem.delassus[k, k] * work.normal[k])
     return left / displaced if displaced > 0.0 else 0.0
 
@@ -334,8 +340,8 @@ def solve_contact_forces(
     passes = 0
     while True:
         clock.number = pose_position(
-            model, h, n, scheme.q, scheme.flexibility, scheme.load, scheme.compliance, scheme.unit,
-            scheme.gap_tolerance, scheme.least, work,
+            model, h, n, scheme.q, scheme.flexibility, scheme.held_flexibility, scheme.load, scheme.compliance,
+            scheme.unit, scheme.gap_tolerance, scheme.least, work,
         )  # fmt: skip
         if clock.number >= 0.0:
             return RunStatus.STIFF

@@ -276,6 +276,7 @@ class MasslessBoundary:
             q=system.q,
             u=system.u,
             flexibility=np.array(flexibility),
+            held_flexibility=np.array(parted.held),
             loaded=int(any(flexibility[slice(*model.bodies.dof[b : b + 2])].any() for b in pushed[pushed >= 0])),
             turn_start=np.cumsum([0, *(len(flat) for flat in turned)]),
             turn=np.concatenate([np.zeros(0), *turned]),
