@@ -19,7 +19,7 @@ from lcpflex.dynamics.contact_problem import describe_contacts, lay_as_one
 from lcpflex.dynamics.delassus import delassus, row_velocity
 from lcpflex.dynamics.mechanics import contact_biases, fill_contact_rows
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 
@@ -70,13 +70,14 @@ def static_part(work: Workspace, flexibility: FloatArray, r: int, q: FloatArray)
 
 
 @kernel
-def held_give(work: Workspace, held: FloatArray, r: int) -> float:
-    """What row r gives way by itself [m/N]: a part of the compliance of the modes that joints and springs hold.
+def held_give(work: Workspace, flexibility: FloatArray, held: FloatArray, r: int) -> float:
+    """What row r gives way by itself [m/N]: what static modes lack of a part of the compliance of those that are held.
 
-    ``held`` (ndof,) 1/omega^2 of these, else 0. Where they act, a contact has no other: what moves there would strike
-    with its mass.
+    ``held`` (ndof,) 1/omega^2 of the modes that joints and springs hold, else 0. Where these act, static modes do not
+    move: what has mass would strike there.
     """
     total = 0.0
+    static = 0.0
     for i in range(2):
         b = work.row_body[r, i]
         if b >= 0:
@@ -84,7 +85,9 @@ def held_give(work: Workspace, held: FloatArray, r: int) -> float:
             for k in range(N_RIGID, work.dof[b + 1] - d):
                 if held[d + k] > 0.0:
                     total += held[d + k] * work.rows[r, i, k] ** 2
-    return GIVE * total
+                elif flexibility[d + k] > 0.0:
+                    static += flexibility[d + k] * work.rows[r, i, k] ** 2
+    return max(0.0, GIVE * total - static)
 
 
 @kernel
@@ -97,12 +100,13 @@ def friction_before(work: Workspace, k: int) -> float:
 
 
 @kernel
-def given_energy(work: Workspace, held: FloatArray) -> float:
+def given_energy(work: Workspace, flexibility: FloatArray, held: FloatArray, soft: IntArray) -> float:
     """Energy that contacts store by what they give way by themselves [J]."""
     total = 0.0
-    for r in range(work.n_joint, work.n_joint + work.n_contacts + work.n_tangents):
-        if work.p[r] != 0.0:
-            total += 0.5 * held_give(work, held, r) * work.p[r] ** 2
+    first = work.n_joint
+    for r in range(first, first + work.n_contacts + work.n_tangents):
+        if work.p[r] != 0.0 and (r - first >= work.n_contacts or soft[work.table.law[r - first]] == 0):
+            total += 0.5 * held_give(work, flexibility, held, r) * work.p[r] ** 2
     return total
 
 
@@ -158,7 +162,11 @@ def pose_position(
     )
     softest = 0.0
     for r in range(total):
-        give = held_give(work, held, n_joint + r)
+        give = held_give(work, flexibility, held, n_joint + r)
+        if r < n and compliance.soft[work.table.law[r]] == 1:  # gives way by its law, which asks for its gap
+            give = 0.0
+        if r >= n and step == 0.0:  # at the start, where static coordinates alone remember friction
+            give = 0.0
         work.problem.delassus[r, r] += give
         b = 0.0
         if r < n:

@@ -247,7 +247,8 @@ def record_forces(model: Model, scheme: BoundaryScheme, t: float, work: Workspac
             state = friction_state(work.normal[k], abs(force_t), work.mu[k], abs(slip), STICKING)
             place = contact_point(model, q, work.table, k)
             note_contact(recorder, work.table.law[k], place, work.table.normal[k], work.normal[k], force_t, state)
-    stored = compliance_energy(scheme.compliance, work) + given_energy(work, scheme.held_flexibility)
+    own = given_energy(work, scheme.flexibility, scheme.held_flexibility, scheme.compliance.soft)
+    stored = compliance_energy(scheme.compliance, work) + own
     store_state(model, t, q, u, work, stored, recorder)
     turn_back(model, scheme, recorder)
     return needed
@@ -291,7 +292,7 @@ def deform(model: Model, scheme: BoundaryScheme, work: Workspace) -> float:
     for k in range(work.n_contacts):
         refresh(model, work.middle, work.table, k)
         if work.normal[k] > 0.0 and (scheme.compliance.some[0] == 0 or work.closed[k] == HARD):
-            give = held_give(work, scheme.held_flexibility, work.n_joint + k)
+            give = held_give(work, scheme.flexibility, scheme.held_flexibility, work.n_joint + k)
             left = max(left, abs(work.table.gap[k] + give * work.normal[k]))
             displaced = max(displaced, scheme.unit[1] * work.problem.delassus[k, k] * work.normal[k])
     return left / displaced if displaced > 0.0 else 0.0
