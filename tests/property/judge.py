@@ -32,7 +32,6 @@ from tests.property.seen import Seen
 from tests.property.truths import LEAST, PATIENCE, Truth, carried, largest, reference_runs, truth_of
 
 __all__ = [
-    "ALARMS",
     "JUDGED",
     "OFF",
     "RIGHT",
@@ -44,6 +43,7 @@ __all__ = [
     "judge_result",
     "outcome_of",
     "quiet",
+    "stops",
 ]
 
 Array = npt.NDArray[np.float64]
@@ -56,7 +56,6 @@ LONGEST = 0.02  # [s] by which an impact may be displaced
 RIGHT = ("quiet", "warned", "alarm")
 WRONG = ("silent", "understated", "hinted", "loud")
 JUDGED = (*RIGHT, "stated", "stopped", *WRONG)
-ALARMS = ("alarm", "stopped")  # right, and said not to be trusted; an error where there is a truth
 
 
 @dataclass(frozen=True)
@@ -110,9 +109,13 @@ def quiet(counts: Counter[str]) -> float:
 
 
 def alarms(counts: Counter[str]) -> float:
-    """Share of the false alarms among the runs that have a truth and are not wrong."""
-    right = sum(counts[name] for name in (*RIGHT, "stated", "stopped"))
-    return sum(counts[name] for name in ALARMS) / max(1, right)
+    """Of the runs that are right, the share of those that are called not to be trusted."""
+    return counts["alarm"] / max(1, sum(counts[name] for name in RIGHT))
+
+
+def stops(counts: Counter[str]) -> float:
+    """Of the runs that have a truth, the share of those that end with an error."""
+    return counts["stopped"] / max(1, sum(counts[name] for name in JUDGED))
 
 
 def _nearest(mine: Array, theirs: list[Array]) -> Array:

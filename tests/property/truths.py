@@ -7,15 +7,12 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 import lcpflex as lf
-from lcpflex.results.energy_balance import EnergyGrowth
-from lcpflex.runs.request import checked_request
-from lcpflex.runs.setup import Options, compiled_for, set_up
-from lcpflex.runs.simulate import carry_out
 from tests.property.built_scenes import build, references
 from tests.property.random_scenes import Drawn
 from tests.property.seen import Seen
@@ -114,13 +111,10 @@ def carried(
     drawn: Drawn, stepper: object, seconds: float, interval: float | None = None, exact: bool = False, finer: int = 1
 ) -> tuple[lf.Result | None, str]:
     """A run as far as it comes in so many seconds, and what it says where it stops; no result where it is refused."""
+    options: dict[str, Any] = {"record": interval, "project": True, "progress": False, "budget": seconds}
     try:
-        source = compiled_for(build(drawn, exact, finer), stepper, True)  # type: ignore[arg-type]
-        duration, interval, _, _ = checked_request(
-            drawn.duration, stepper, interval, False, True, EnergyGrowth.WARN, None
-        )
-        options = Options(duration, interval, True, EnergyGrowth.WARN)
-        return carry_out(set_up(source, stepper, options, None), False, seconds=seconds), ""  # type: ignore[arg-type]
+        result = lf.simulate(build(drawn, exact, finer), drawn.duration, stepper, **options)  # type: ignore[arg-type]
+        return result, "" if result.complete else result.message
     except lf.StepError as error:
         return error.result, f"{type(error).__name__}: {error}"
     except lf.LcpflexError as error:
