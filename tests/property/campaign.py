@@ -100,8 +100,9 @@ def _of_dimension(name: str, lines: list[dict[str, Any]]) -> list[str]:
     words = [
         "",
         f"In {name}, seeds {min(seeds)} to {max(seeds)}: {len(lines)} scenes, {judged} with a truth; "
-        f"{counts['silent']} silent, {alarms(counts):.1%} false alarms, {stops(counts):.1%} stopped; of the {right} that are right "
-        f"{quiet(counts):.0%} have no warning: {'passes' if passes(counts) else 'does not pass'}. "
+        f"{counts['silent']} silent, {alarms(counts):.1%} false alarms, {stops(counts):.1%} stopped by an error; of "
+        f"the {right} that are right {quiet(counts):.0%} have no warning: "
+        f"{'passes' if passes(counts) else 'does not pass'}. "
         f"{counts['no truth']} have no truth, {counts['refused']} were refused, {counts['slow']} took too long.",
         "",
         f"| {name} | judged | {' | '.join(COLUMNS.values())} |",
