@@ -218,4 +218,6 @@ def references(drawn: Drawn) -> tuple[Any, ...]:
         return events, smooth
     if drawn.system[0]:  # every step calls Python; without corners an impact is off by no more than it is late
         return events, lf.MoreauJean(step=4.0 * fine)
+    if drawn.stepper == "massless":
+        return events, lf.MasslessBoundary(safety=0.1)
     return events, lf.MoreauJean(step=max(fine, 2e-6)), lf.GeneralizedAlpha(step=max(fine, 4e-6))
