@@ -9,6 +9,7 @@ Sources: Moreau 1988; Glocker & Studer 2005 (the LCP of planar Coulomb friction)
 
 from __future__ import annotations
 
+from lcpflex.contact.table import entry_of
 from lcpflex.dynamics.contact_problem import lay_contacts
 from lcpflex.dynamics.delassus import apply_impulses, free_velocities, row_velocity
 from lcpflex.dynamics.joint_response import joint_impulses
@@ -43,7 +44,8 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
 
     ``lead``: time [s] from the configuration of the rows to the end of the step; all rows are carried
     there by their bias, W(q+)^T u+ ~ W^T u+ + lead w, so that a hinge or a rolling contact loses no energy to the
-    linearisation. Normal velocity below ``velocity_threshold`` [m/s] is not reflected (e_N = 0).
+    linearisation. Normal velocity below ``velocity_threshold`` [m/s] is not reflected (e_N = 0), nor, where there is
+    one, that of a contact that goes on.
     """
     n_joint = work.n_joint
     n = work.n_contacts
@@ -61,7 +63,8 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
         if e_n > 0.0:
             before = row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u_before)
             if abs(before) > velocity_threshold:
-                work.free[n_joint + k] += e_n * before
+                if not (velocity_threshold > 0.0 and goes_on(work, k, before)):
+                    work.free[n_joint + k] += e_n * before
             else:
                 work.stopped = max(work.stopped, -before)
     for j in range(n_tangent):
@@ -71,6 +74,18 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
             work.free[r] += e_t * row_velocity(work.rows, work.row_body, r, work.dof, u_before)
     lay_contacts(work)
     prepare_large(model, work)
+
+
+@kernel
+def goes_on(work: Workspace, k: int, before: float) -> bool:
+    """Whether contact k stayed closed over the last step, and its velocity ``before`` is no more than forces give.
+
+    Its rows have turned since: at those of its own step, what carries has none. To reflect it, as that of a body that
+    tips over its corner, is to let it sink or jump, in every step in which rows turn by more than the threshold.
+    """
+    if not abs(before) <= 2.0 * abs(work.free[work.n_joint + k] - before):
+        return False
+    return bool(entry_of(work.held_key[0], work.n_held, work.table.key[k], 0) >= 0)
 
 
 @kernel

@@ -55,8 +55,10 @@ def held_at(work: Workspace, k: int, before: int) -> float:
 
 
 @kernel
-def hold_contacts(step: float, tolerance: float, active: bool, work: Workspace, recorder: Recorder) -> int:
+def hold_contacts(step: float, tolerance: float, stay: float, active: bool, work: Workspace, recorder: Recorder) -> int:
     """Note in ``work.sunk`` how far contacts are below the gap they closed at; their number, 0 unless ``active``.
+
+    ``stay`` [m]: gap up to which they stay closed.
 
     ``work.free_u`` holds u+. A pair closes somewhere within its step, up to h |gdot| / 2 deep. To lift it from there
     would do work; to let it sink further, step by step over a curved surface, would have no bound.
@@ -75,7 +77,7 @@ def hold_contacts(step: float, tolerance: float, active: bool, work: Workspace, 
         found = before + 1 if before >= 0 else found
         target = held_at(work, k, before)
         leaving = row_velocity(work.rows, work.row_body, n_joint + k, work.dof, work.free_u)
-        if leaving * step > tolerance - gap:
+        if leaving * step > stay - gap:
             continue
         work.held_key[1, held] = work.table.key[k]
         work.held_gap[1, held] = target
@@ -92,15 +94,16 @@ def hold_contacts(step: float, tolerance: float, active: bool, work: Workspace, 
 
 @kernel
 def project_contacts(
-    model: Model, step: float, tolerance: float, active: bool, q: FloatArray, work: Workspace, recorder: Recorder
-) -> bool:
+    model: Model, step: float, tolerance: float, stay: float, active: bool, q: FloatArray, work: Workspace,
+    recorder: Recorder,
+) -> bool:  # fmt: skip
     """Take the drift out of contacts that stay closed; true where the configuration changed.
 
     min |dq|_A with W_N^T dq >= the drift of each: the frictionless LCP on their part of the condensed Delassus matrix.
     """
     for k in range(work.n_contacts):
         refresh(model, q, work.table, k)
-    if hold_contacts(step, tolerance, active, work, recorder) == 0:
+    if hold_contacts(step, tolerance, stay, active, work, recorder) == 0:
         return False
     moved = False
     for i in range(work.islands.count):

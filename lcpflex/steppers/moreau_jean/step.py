@@ -47,6 +47,7 @@ from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.clock import StepClock, StepCount
+from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.island_problems import shorten_forces, solve_islands
 from lcpflex.steppers.passing import set_out
 from lcpflex.steppers.projection import project_contacts, project_joints
@@ -79,6 +80,7 @@ __all__ = ["MoreauJeanScheme", "record_impulses"]
 SLOWER = 10.0  # solver tolerances, times the velocities that cancel in it: such an approach is what solvers leave
 IMPACT = 2.0  # times what forces change in a step: a faster approach is that of an impact
 STILL = 1e-8  # of the fastest approach in a step: slower than that nothing approaches
+HOVER = 10.0  # gap tolerances: a body that turns lifts what it stands on by far less in a step that error control takes
 STICKING_SPEED = 1e-9  # [m/s] of a touching point on its cone: up to that it counts as sticking in the record
 
 
@@ -108,15 +110,38 @@ def find_closed(model: Model, q: FloatArray, tolerance: float, table: ContactTab
 
 
 @kernel
+def held_within(scheme: MoreauJeanScheme) -> float:
+    """Gap up to which a contact that went on over the last step stays closed [m]: in error control, wider than others.
+
+    One that hovers at the tolerance would be lost for a step, and fall, in every step longer than its error allows.
+    """
+    return (HOVER if scheme.velocity_threshold > 0.0 else 1.0) * scheme.gap_tolerance
+
+
+@kernel
+def keep_closed(tolerance: float, n: int, work: Workspace) -> int:
+    """Of the first n entries those within ``tolerance`` [m], and those that went on over the last step."""
+    m = 0
+    for k in range(n):
+        if work.table.gap[k] <= tolerance or entry_of(work.held_key[0], work.n_held, work.table.key[k], 0) >= 0:
+            if m < k:
+                copy_entry(work.table, k, work.table, m)
+            m += 1
+    return m
+
+
+@kernel
 def predict(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace) -> int:
     """First half of a step: free motion, closed contacts, and the problem they pose. Returns the contacts found."""
     q, u, h = scheme.q, scheme.u, scheme.step
     lean = scheme.theta * h
     advance(model, q, u, lean, work.middle)
     advance(model, q, u, scheme.activation * h, work.ahead)
-    n = find_closed(model, work.ahead, scheme.gap_tolerance, work.table)
+    n = find_closed(model, work.ahead, held_within(scheme) if work.n_held > 0 else scheme.gap_tolerance, work.table)
     if n > len(work.table.key):
         return n
+    if work.n_held > 0 and held_within(scheme) > scheme.gap_tolerance:
+        n = keep_closed(scheme.gap_tolerance, n, work)
     if scheme.activation != scheme.theta:
         for k in range(n):
             refresh(model, work.middle, work.table, k)
@@ -345,7 +370,9 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, r
             return False
     tolerance = 1e-12 * (1.0 + largest)
     project_joints(model, t + h, q, u, work, recorder, tolerance)
-    if project_contacts(model, h, scheme.gap_tolerance, scheme.projection == 1, q, work, recorder):
+    if project_contacts(
+        model, h, scheme.gap_tolerance, held_within(scheme), scheme.projection == 1, q, work, recorder
+    ):  # fmt: skip
         project_joints(model, t + h, q, u, work, recorder, tolerance)
     return True
 
