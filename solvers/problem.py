@@ -218,7 +218,7 @@ class Lcp:
 
         The worst is the one that has most left of its own load; inf where a tenth of that may be left.
         """
-        w = np.empty(self.size)
+        z, w = point_of("z", z, self.size), np.empty(self.size)
         terms = self._sizes(z, w)[2]
         if not terms < np.inf:
             return np.inf, ""

@@ -304,7 +304,7 @@ def test_a_run_stays_there(name: str) -> None:
     result = lf.simulate(scene, 10.0, lf.MoreauJean(1e-3), record=1.0, progress=False, initial=rest)
     assert np.abs(result.q - rest.q).max() < 1e-9 * rest.compiled.size
     assert not result.warnings
-    assert "place of rest" in result.notes[-1]
+    assert any("place of rest" in note for note in result.notes)
 
 
 @pytest.mark.parametrize("name", ["stack", "rough detent", "fallen ladder", "claw"])

@@ -148,7 +148,7 @@ def driven_end(modes: int) -> lf.Scene:
     body = strip(scene, modes)
     weld(scene, body)
     lift = lf.Harmonic(0.005, 60.0, phase=-0.5 * math.pi, mean=0.005)
-    scene.join(lf.DrivenDisplacement(body.point("right"), scene.ground.at(LENGTH, 0.0), (0.0, 1.0), lift))
+    scene.join(lf.DrivenDisplacement(body.point("right"), scene.ground.at(LENGTH, 0.0), lift, (0.0, 1.0)))
     return scene
 
 

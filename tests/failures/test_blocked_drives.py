@@ -32,7 +32,7 @@ def against_a_wall(motion: Any, friction: float = 0.3, scale: float = 1.0) -> lf
     wall = scene.ground.half_plane((0.06 * scale, 0.0), (-1.0, 0.0))
     scene.contact(box.surface(), wall, friction=friction, name="wall")
     scene.contact(box.surface(), scene.ground.half_plane((0, 0), (0, 1)), friction=friction, name="floor")
-    scene.join(lf.DrivenDisplacement(box.at(0, 0), scene.ground.at(0, 0.05 * scale), (1.0, 0.0), motion, name="ram"))
+    scene.join(lf.DrivenDisplacement(box.at(0, 0), scene.ground.at(0, 0.05 * scale), motion, (1.0, 0.0), name="ram"))
     return scene
 
 
@@ -40,7 +40,7 @@ def in_space(motion: Any) -> lf.SpatialScene:
     scene = lf.SpatialScene(gravity=(0.0, 0.0, -9.81))
     box = scene.add(lf.Cuboid(0.1, 0.1, 0.1, mass=1.0), "box", position=(0.0, 0.0, 0.05))
     scene.contact(box.surface(), scene.ground.plane((0.06, 0.0, 0.0), (-1.0, 0.0, 0.0)), friction=0.3, name="wall")
-    scene.join(lf.DrivenDisplacement(box.at(0, 0, 0), scene.ground.at(0, 0, 0.05), (1, 0, 0), motion, name="ram"))
+    scene.join(lf.DrivenDisplacement(box.at(0, 0, 0), scene.ground.at(0, 0, 0.05), motion, (1, 0, 0), name="ram"))
     return scene
 
 
@@ -51,7 +51,7 @@ def squeezed() -> lf.Scene:
     for name, x, motion in (("left", -0.11, ramp), ("right", 0.11, 0.0)):
         jaw = scene.add(lf.Box(0.1, 0.1, mass=1.0), name, position=(x, 0.0))
         scene.join(lf.Prismatic(jaw.at(0, 0), scene.ground.at(x, 0.0)))
-        scene.join(lf.DrivenDisplacement(jaw.at(0, 0), scene.ground.at(x, 0.0), (1.0, 0.0), motion, name=f"{name} jaw"))
+        scene.join(lf.DrivenDisplacement(jaw.at(0, 0), scene.ground.at(x, 0.0), motion, (1.0, 0.0), name=f"{name} jaw"))
         scene.contact(disc.surface(), jaw.surface(), friction=0.3, name=f"{name} pad")
     other = scene.add(lf.Disc(0.05, mass=1.0), "other", position=(0.0, 1.0))
     scene.join(lf.DrivenAngle(other.at(0, 0), scene.ground.at(0, 1.0), ramp, name="spindle"))

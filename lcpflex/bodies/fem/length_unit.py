@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.basics.arguments import one_of, positive
+from lcpflex.bodies.fem.material import SPEEDS
 from lcpflex.bodies.fem.planar_mesh import PlanarMesh
 from lcpflex.errors import ModelWarning
 
@@ -20,9 +21,7 @@ METAL = 65e9, 2600.0  # [Pa], [kg/m^3] from which a solid is metal or glass: alu
 POLYMER = 6e9, (850.0, 1600.0)  # [Pa], [kg/m^3]: rubber and plastics; wood and ice are stiffer, soils heavier
 THICKEST, WIDEST = 6.0, 60.0  # [m] of solid metal (forgings and press frames have 3 to 5), of anything (dams have 30)
 HEAVIEST = 1e6  # [kg] of one piece of metal: the largest ingots have 600 t
-DRAWN = (
-    20.0  # [m] of a body of metal or plastic whose mesh comes from a file: programs that draw such write millimetres
-)
+DRAWN = 20.0  # [m] of metal or plastic whose mesh comes from a file: programs that draw such write millimetres
 FREE_BEAM = 4.73**2 / (2.0 * math.pi * math.sqrt(12.0))  # f L^2 / (c h) of the first bending of a free rectangular bar
 
 
@@ -49,6 +48,8 @@ def check_size(part: Any, mesh: PlanarMesh) -> None:
     if part.length_unit is not None:
         return
     E, density = part.youngs_modulus, part.density
+    if math.sqrt(E / density) > SPEEDS[1]:  # the material is not in SI, which is told
+        return
     (area, width), extent = _area_and_width(mesh), mesh.size
     metal = METAL[0] <= E and METAL[1] <= density
     polymer = POLYMER[0] >= E and POLYMER[1][0] <= density <= POLYMER[1][1]

@@ -77,6 +77,7 @@ def solver_faces() -> list[Face]:
             for name, given in (
                 ("residual", "z"),
                 ("residuals", "z"),
+                ("by_terms", "z"),
                 ("slack", "z"),
                 ("forces", "z"),
                 ("velocity", "forces"),
@@ -140,11 +141,11 @@ def solver_faces() -> list[Face]:
             Face(f"{name}.refuses", kind.refuses, lambda problem=problem: {"problem": problem()}, kind),
         ]
     for label, make in kinds.items():
-        kind = type(make())
+        kind, plain = type(make()), label in ("", " of contact")
         points: dict[str, dict[str, Any]] = {
             "slack": {"z": np.zeros(make().size)},
             "residual": {"z": np.zeros(make().size)},
-            **({"residuals": {"z": np.zeros(make().size)}} if label in ("", " of contact") else {}),
+            **({name: {"z": np.zeros(make().size)} for name in ("residuals", "by_terms")} if plain else {}),
         }
         points["solve_by"] = {"solver": solvers.Lemke()}
         if label == " of contact":

@@ -269,5 +269,5 @@ def test_depths_of_rigid_bodies_without_springs_are_judged_without_matrices(monk
     result = lf.simulate(heap(3), 0.5, lf.MoreauJean(2e-3, projection=False), record=0.02)
     sunk = (result.gap[-1] < 0.0) & (result.force[-3:, :, 0].min(axis=0) > 0.0)
     assert sunk.any()
-    monkeypatch.setattr("lcpflex.checks.kept_depth._stiffness", refused)
+    monkeypatch.setattr("lcpflex.checks.kept_depth.stiffness_of", refused)
     assert kept_depths(result) == ()

@@ -5,10 +5,10 @@ import pickle
 
 import numpy as np
 import pytest
-import skfem
 
 import lcpflex as lf
 from lcpflex.errors import ModelError
+from tests.libs import skfem
 
 BEAM = lf.SpatialBeam(1.0, 1e-4, (1e-9, 1e-9), 2e-9, 7800.0, 2e11, 0.3)
 

@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
+from lcpflex.solvers.certificate import guarded_residual
 from lcpflex.steppers.island_problems import shorten_forces
 from lcpflex.steppers.spatial.projection import lift_island
 from tests.cone_islands import GRAVITY, Laid, Touch, box_on_ground, tower
@@ -50,8 +51,10 @@ def random_heap(seed: int, bodies: int = 4, smooth: bool = False) -> tuple[Laid,
 def test_forces_solve_the_posed_problem(seed: int, smooth: bool) -> None:
     laid, u = random_heap(seed, smooth=smooth)
     assert laid.solve(u) == 0
-    residual, strict = laid.problem().residuals(laid.forces())
-    assert residual <= 1e-9
+    problem, forces = laid.problem(), laid.forces()
+    assert guarded_residual(*problem.residual_parts(forces)) <= 1e-9  # as the run judges: all contacts together
+    residual, strict = problem.residuals(forces)
+    assert residual <= 1e-8  # each by its own load
     assert strict < 1e-6
 
 
