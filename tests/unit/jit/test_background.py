@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import json
 import os
+import pkgutil
 import signal
 import subprocess
 import sys
 import time
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numba
 import pytest
 
+import lcpflex
 from lcpflex.jit import background, manifest
 from lcpflex.jit.kernel_file import ENDING, KernelFile
 from lcpflex.jit.private import why_not_thin
+from lcpflex.jit.struct import Packed
 from lcpflex.jit.struct_type import packed_type
 
 pytestmark = [
@@ -295,3 +299,31 @@ def test_listed_kernels_exist() -> None:
     assert manifest.entries_of("plane MoreauJean")
     assert manifest.entries_of("space EventDriven")
     assert manifest.entries_of("none such") == []
+
+
+def declared_structs() -> dict[str, set[frozenset[str]]]:
+    """The fields of each struct and named tuple that a module of lcpflex declares, by its name."""
+    for module in pkgutil.walk_packages(lcpflex.__path__, "lcpflex."):
+        if not module.name.endswith("__main__"):
+            import_module(module.name)
+    found: dict[str, set[frozenset[str]]] = {}
+    kinds = [Packed, tuple]
+    while kinds:
+        kind: Any = kinds.pop()
+        kinds += type.__subclasses__(kind)
+        if kind.__module__.startswith("lcpflex."):
+            found.setdefault(kind.__name__, set()).add(frozenset(kind.__annotations__))
+    return found
+
+
+def test_listed_structs_are_as_they_are_declared() -> None:
+    """A struct with a field more wants ``tests/record_manifest.py``: no kernel listed with it can be compiled."""
+    declared = declared_structs()
+    assert {"SpatialWorkspace", "SpatialContacts"} <= set(declared)
+    stale = {}
+    for name, told in manifest._types().structs.items():
+        fields = frozenset(field.partition(":")[0] for field in told.split()) - {""}  # a named tuple tells its module
+        kinds = declared.get(name.partition("#")[0], set())
+        if fields not in kinds:
+            stale[name] = [sorted(fields ^ kind) for kind in kinds]
+    assert not stale, "run tests/record_manifest.py"

@@ -169,7 +169,6 @@ def test_no_target_for_another_numba(
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(reason="a second warm-up compiled something anew, which is not known yet", strict=False)
 def test_the_whole_library_for_all_processors(tmp_path: Path) -> None:
     """A folder that `lcpflex warmup --into` has filled is whole: nothing is compiled, and nothing left to write."""
     folder = tmp_path / "kernels"
