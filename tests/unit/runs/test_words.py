@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import logging
 import math
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.basics import progress
+from lcpflex.basics import progress, pulse
 from lcpflex.basics.pulse import BEATS
 from lcpflex.basics.stopwatch import Budget
 from lcpflex.steppers.run import Run
@@ -239,3 +240,12 @@ def test_a_run_of_a_study_that_takes_too_long_is_an_error() -> None:
         given_up_after(1e-9, bouncing(), 100.0, lf.MoreauJean(1e-4))
     assert caught.value.result is not None
     assert not caught.value.result.complete
+
+
+def test_nothing_beats_once_the_last_run_has_ended() -> None:
+    """Whoever makes steps by himself, as a test does, makes as many as he asks for, whatever ran before."""
+    with pulse.beating():
+        pass
+    before = int(BEATS[0])
+    time.sleep(2.0 * pulse.PERIOD)
+    assert int(BEATS[0]) == before

@@ -8,7 +8,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.errors import ModelError
-from tests.libs import skfem
+from tests import libs
 
 BEAM = lf.SpatialBeam(1.0, 1e-4, (1e-9, 1e-9), 2e-9, 7800.0, 2e11, 0.3)
 
@@ -131,7 +131,7 @@ class TestMeshesOfCorners:
     def of_corners(kind):
         whole = lf.meshes.rectangle(1.0, 0.1, 4, 2, triangles=kind == "Tri")
         corners = np.asarray(whole.p)[:, : whole.nvertices]
-        return getattr(skfem, f"Mesh{kind}2")(corners, whole.t), corners, whole.t
+        return getattr(libs.skfem, f"Mesh{kind}2")(corners, whole.t), corners, whole.t
 
     def test_every_reader_of_it(self, kind):
         broken, _, _ = self.of_corners(kind)
@@ -146,7 +146,7 @@ class TestMeshesOfCorners:
 
     def test_what_it_tells_works(self, kind):
         _, p, t = self.of_corners(kind)
-        mesh = lf.meshes.quadratic(getattr(skfem, f"Mesh{kind}1")(p, t))
+        mesh = lf.meshes.quadratic(getattr(libs.skfem, f"Mesh{kind}1")(p, t))
         body = lf.Continuum(mesh, density=1e3, youngs_modulus=1e9, poissons_ratio=0.3).reduce(modes=2)
         assert body.mass == pytest.approx(100.0)
 
