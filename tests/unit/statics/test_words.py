@@ -47,10 +47,30 @@ def test_several_places(always: pytest.LogCaptureFixture) -> None:
     assert not found[0].warnings
 
 
-@pytest.mark.parametrize(("ends", "words"), [("interrupt", "interrupted, after "), ("budget", "the budget of 600 s")])
-def test_what_was_found_before_it_was_ended(ends: str, words: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture(scope="module")
+def whole() -> tuple[list[lf.Rest], int]:
+    """A search to its end, and how many steps it took."""
+    steps = [0]
+    with pytest.MonkeyPatch.context() as patched:
+        advance = Path.advance
+
+        def counted(path: Path, *given: Any) -> bool:
+            steps[0] += 1
+            return advance(path, *given)
+
+        patched.setattr(Path, "advance", counted)
+        return lf.equilibria(two_valleys(), reach=0.05), steps[0]
+
+
+@pytest.mark.parametrize(
+    ("ends", "words"),
+    [("interrupt", "interrupted, after "), pytest.param("budget", "the budget of 600 s", marks=pytest.mark.slow)],
+)
+def test_what_was_found_before_it_was_ended(
+    ends: str, words: str, whole: tuple[list[lf.Rest], int], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """By Ctrl-C, or by its budget, in the midst of the pushes."""
-    whole = lf.equilibria(two_valleys(), reach=0.05)
+    places, last = whole[0], whole[1] - 2
     advance, steps = Path.advance, [0]
 
     def counted(path: Path, *given: Any) -> bool:
@@ -59,16 +79,13 @@ def test_what_was_found_before_it_was_ended(ends: str, words: str, monkeypatch: 
             raise KeyboardInterrupt
         return advance(path, *given)
 
-    last = 10**9
     monkeypatch.setattr(Path, "advance", counted)
-    lf.equilibria(two_valleys(), reach=0.05)
-    last, steps[0] = steps[0] - 2, 0
     monkeypatch.setattr(Budget, "is_spent", property(lambda budget: ends == "budget" and steps[0] >= last))
     found = lf.equilibria(two_valleys(), reach=0.05)
-    assert len(found) == len(whole)
+    assert len(found) == len(places)
     assert found[0].warnings[-1].startswith(f"equilibria: {words}")
     assert "more places may be left" in found[0].warnings[-1]
-    for one, other in zip(found, whole, strict=True):
+    for one, other in zip(found, places, strict=True):
         assert (one.q == other.q).all()
 
 
