@@ -15,6 +15,7 @@ Between processes: file by file, because fixtures are dear; examples one by one.
 from __future__ import annotations
 
 import gc
+import logging
 import os
 import subprocess
 import sys
@@ -107,3 +108,14 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
             super()._assign_work_unit(node)
 
     return Scheduling(config, log)
+
+
+@pytest.fixture
+def always(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> pytest.LogCaptureFixture:
+    """Words of progress: a line is due whenever somebody looks."""
+    from lcpflex.basics import progress  # when the environment of this process is set
+
+    monkeypatch.setattr(progress, "EVERY", 0.0)
+    monkeypatch.setattr(progress, "now", lambda: 0.0)
+    caplog.set_level(logging.INFO, "lcpflex")
+    return caplog

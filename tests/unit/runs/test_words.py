@@ -56,15 +56,6 @@ RUNS: dict[str, tuple[Callable[[], Any], Any]] = {
 every_run = pytest.mark.parametrize("kind", RUNS)
 
 
-@pytest.fixture
-def always(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> pytest.LogCaptureFixture:
-    """A line is due whenever somebody looks."""
-    monkeypatch.setattr(progress, "EVERY", 0.0)
-    monkeypatch.setattr(progress, "now", lambda: 0.0)
-    caplog.set_level(logging.INFO, "lcpflex")
-    return caplog
-
-
 @every_run
 def test_a_run_says_how_far_it_is(kind: str, always: pytest.LogCaptureFixture) -> None:
     scene, stepper = RUNS[kind]

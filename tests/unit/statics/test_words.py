@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import logging
 from typing import Any
 
 import pytest
 
 import lcpflex as lf
-from lcpflex.basics import progress
 from lcpflex.basics.stopwatch import Budget
 from lcpflex.statics.path import Path
 from tests.scenes import disc_on_floor
@@ -21,15 +19,6 @@ def two_valleys() -> lf.Scene:
     places = [(0.05, 0.0), (0.015, 0.0), (0.01, -0.005), (0.005, 0.0), (-0.005, 0.0), (-0.01, -0.005), (-0.015, 0.0)]
     scene.contact(disc.surface(), scene.ground.chain([*places, (-0.05, 0.0)]), name="strip")
     return scene
-
-
-@pytest.fixture
-def always(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> pytest.LogCaptureFixture:
-    """A line is due whenever somebody looks."""
-    monkeypatch.setattr(progress, "EVERY", 0.0)
-    monkeypatch.setattr(progress, "now", lambda: 0.0)
-    caplog.set_level(logging.INFO, "lcpflex")
-    return caplog
 
 
 def test_a_place_of_rest(always: pytest.LogCaptureFixture) -> None:

@@ -2,22 +2,11 @@
 
 from __future__ import annotations
 
-import logging
-
 import pytest
 
 import lcpflex as lf
 from lcpflex.basics import progress
 from tests.scenes import disc_on_floor
-
-
-@pytest.fixture
-def always(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> pytest.LogCaptureFixture:
-    """A line is due whenever somebody looks."""
-    monkeypatch.setattr(progress, "EVERY", 0.0)
-    monkeypatch.setattr(progress, "now", lambda: 0.0)
-    caplog.set_level(logging.INFO, "lcpflex")
-    return caplog
 
 
 def test_a_stability_map(always: pytest.LogCaptureFixture) -> None:
