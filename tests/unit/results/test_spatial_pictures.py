@@ -8,54 +8,23 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
 from lcpflex.bodies.spatial.body import SpatialBody, SpatialPoint
 from lcpflex.bodies.spatial.shapes import CapsuleShape, CylinderShape, Shape, SphereShape, SurfaceShape
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.errors import ModelError
-from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import frozen
 from lcpflex.model.coordinates import DISTANCE
-from lcpflex.results.drawn_forces import draw_arrows
-from lcpflex.results.energy_balance import Energies
-from lcpflex.results.result import ContactPoints, Result
+from lcpflex.results.result import Result
 from lcpflex.results.spatial.camera import Look, camera_of
-from lcpflex.results.spatial.contact_arrows import ContactArrows
 from lcpflex.results.spatial.facets import Facets, ellipsoid, facets_of
 from lcpflex.results.spatial.floor import AXIS_COLOURS
-from lcpflex.results.spatial.ground import level_under, patches
 from lcpflex.results.spatial.picture import SpatialPicture
 from lcpflex.results.spatial.raster import NOBODY
 from lcpflex.results.spatial.scenery import Scenery, coil
 from tests import libs
-
-SIDE = 0.0, -90.0  # seen along y: x to the right, z up
-LOOK = Look(SIDE, False, 1.0)
-
-
-def result_of(compiled: CompiledScene, q: FloatArray | None = None) -> Result:
-    """A made-up motion (m, nq) of a scene; that of the start, twice, if there is none."""
-    q = np.tile(compiled.q, (2, 1)) if q is None else q
-    m, zero = len(q), np.zeros(len(q))
-    pairs, whole = np.zeros((0, 3)), np.zeros(0, np.int64)
-    return Result(
-        times=0.1 * np.arange(m), q=q, u=np.tile(compiled.u, (m, 1)), force=np.zeros((m, 0, 2)),
-        impulse=np.zeros((m, 0, 2)), state=np.zeros((m, 0), np.int8), gap=np.zeros((m, 0)),
-        contact_points=ContactPoints(whole, whole, pairs, pairs, pairs, np.zeros(0, np.int8)),
-        energies=Energies.audit(1.0 + zero, zero, zero, zero, zero, zero, zero), residual=zero, penetration=zero,
-        joint_drift=zero, size=np.zeros(m, np.int64), events=(), warnings=(), complete=True, message="made up",
-        steps=m, wall_time=0.1, compile_time=0.0, stepper="MoreauJean(step=0.1)", duration=0.1 * (m - 1),
-        compiled=compiled,
-    )  # fmt: skip
-
-
-def scene_of(*bodies: tuple[SpatialBody, tuple[float, float, float]], gravity: Any = (0, 0, -9.81)) -> CompiledScene:
-    scene = lf.SpatialScene(gravity=gravity)
-    for body, position in bodies:
-        scene.add(body, position=position)
-    return scene.compiled()
+from tests.unit.results.drawn import LOOK, SIDE, result_of, scene_of
 
 
 def bending_bar() -> SpatialBody:
@@ -378,180 +347,6 @@ def test_axes_of_bodies_are_not_cut_off() -> None:
     assert highest < picture.view[3]
 
 
-def sliding(tilt: float) -> Result:
-    """A box of 2 kg that slides down a plane which leans by ``tilt`` [rad] about y, with mu = .1."""
-    turned = Rotation.from_rotvec([0.0, tilt, 0.0])
-    up = turned.apply([0.0, 0.0, 1.0])
-    scene = lf.SpatialScene()
-    box = scene.add(
-        lf.Cuboid(0.2, 0.1, 0.1, mass=2.0), position=0.05 * up, orientation=turned, velocity=turned.apply([1.0, 0, 0])
-    )
-    scene.contact(box.surface(), scene.ground.plane((0.0, 0.0, 0.0), up), friction=0.1)
-    return lf.simulate(scene, 0.02, lf.MoreauJean(step=1e-3))
-
-
-def test_arrows_are_the_forces_on_the_body_in_the_picture() -> None:
-    """Of equal scale: they sum up to m g cos(tilt) (n - mu t), whose part across the camera is seen."""
-    tilt = 0.4
-    result = sliding(tilt)
-    camera = camera_of(SIDE, np.array([0.0, 0.0, -9.81]))
-    figure = result.draw(0.02, view=SIDE)
-    arrows = [one for one in figure.axes[0].texts if isinstance(one, libs.Annotation) and one.arrow_patch is not None]
-    ends = np.array([np.subtract(one.xy, one.xyann) for one in arrows])
-    key, seen = ends[0], ends[1:]
-    assert len(seen) == 4
-    scale = float(next(one.get_text() for one in figure.axes[0].texts if one.get_text().endswith("N  ")).split()[0])
-    total = seen.sum(axis=0) * scale / np.linalg.norm(key)
-    turned = Rotation.from_rotvec([0.0, tilt, 0.0])
-    expected = 2.0 * 9.81 * np.cos(tilt) * turned.apply([-0.1, 0.0, 1.0])
-    np.testing.assert_allclose(total, camera.seen(expected)[:2], rtol=1e-6, atol=1e-6)
-
-
-def test_a_plane_of_the_ground_is_drawn_where_the_floor_is_not_it() -> None:
-    assert len(draw_patches_of(sliding(0.4))) == 1
-    assert len(draw_patches_of(sliding(0.0))) == 0
-    corners = draw_patches_of(sliding(0.4))[0]
-    np.testing.assert_allclose(corners @ [np.sin(0.4), 0.0, np.cos(0.4)], 0.0, atol=1e-15)
-
-
-def draw_patches_of(result: Result) -> list[FloatArray]:
-    assert result.compiled is not None
-    model, up = result.compiled.model, np.array([0.0, 0.0, 1.0])
-    places = np.array([[0.0, 0.0, 0.0], [0.3, 0.2, 0.1]])
-    return patches(model, places, up, level_under(model, places, up))
-
-
-def picture_of(scene: lf.SpatialScene, view: tuple[float, float] = SIDE) -> tuple[SpatialPicture, CompiledScene]:
-    compiled = scene.compiled()
-    look = LOOK._replace(view=view)
-    return SpatialPicture(result_of(compiled), compiled, np.array([0]), look), compiled
-
-
-@pytest.mark.parametrize(
-    ("height", "floor"),
-    [(0.0, 0.0), (0.7, 0.7), (0.96, 0.896), (-0.2, 0.896)],  # touched, below, within the ball, too far for a picture
-)
-def test_the_floor_is_the_level_plane_below(height: float, floor: float) -> None:
-    """Also beside an inclined plane, of which nothing below the floor is shown."""
-    for tilted in (False, True):
-        scene = lf.SpatialScene()
-        scene.add(lf.Sphere(0.1, mass=1.0), position=(0.0, 0.0, 1.0))
-        scene.ground.plane((0.0, 0.0, height), (0.0, 0.0, 1.0))
-        if tilted:
-            scene.ground.plane((0.0, 0.0, 0.85), (0.3, 0.0, 1.0))
-        picture, _ = picture_of(scene)
-        levels = [corners for corners in picture._patches if np.ptp(corners[:, 2]) < 1e-12]
-        if floor == height:
-            assert picture.floor.low[2] == height
-            assert levels == []
-            assert all((corners[:, 2] >= height - 1e-12).all() for corners in picture._patches)
-        elif not tilted:
-            assert picture.floor.low[2] <= min(0.896, 1.0 if height < 0.0 else height)
-        assert len(picture._patches) - len(levels) == tilted
-
-
-def solids_on(placed: Any) -> dict[str, tuple[Any, float]]:
-    """One surface of each kind at x = 0, 1, ...; its half height."""
-    turn = Rotation.from_rotvec([0.0, 0.0, 0.4])
-    cube = np.array([[x, y, z] for x in (4.8, 5.2) for y in (-0.2, 0.2) for z in (-0.1, 0.1)])
-    return {
-        "sphere": (placed.sphere((0.0, 0.0, 0.0), 0.2), 0.2),
-        "capsule": (placed.capsule((1.0, 0.0, -0.2), (1.0, 0.0, 0.2), 0.1), 0.3),
-        "cylinder": (placed.cylinder((2.0, 0.0, 0.0), (0.0, 1.0, 0.0), 0.25, 0.2), 0.25),
-        "rim": (placed.rim((3.0, 0.0, 0.0), (0.0, 1.0, 0.0), 0.15), 0.15),
-        "box": (placed.box((4.0, 0.0, 0.0), (0.3, 0.3, 0.4), turn), 0.2),
-        "hull": (placed.hull(cube), 0.1),
-        "hole": (placed.hole((6.0, 0.0, 0.0), 0.3), 0.3),
-    }
-
-
-@pytest.mark.parametrize("grounded", [True, False])
-def test_surfaces_are_drawn_where_they_are(grounded: bool) -> None:
-    """On the ground and on a body that is turned; each as high as it is, and seen."""
-    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
-    turned = Rotation.from_rotvec([0.2, -0.1, 0.3])
-    body = lf.SpatialRigidBody(1.0, [0.1, 0.1, 0.1])
-    one = scene.add(
-        body, position=(3.0, 2.0, 0.0) if grounded else (1.0, 2.0, 3.0), orientation=None if grounded else turned
-    )
-    made = solids_on(scene.ground if grounded else one)
-    picture, compiled = picture_of(scene)
-    scenery = picture._scenery
-    assert len(scenery.solids if grounded else scenery.parts) == len(made)
-    for k, (_, half) in enumerate(made.values()):
-        if grounded:
-            places = scenery.solids[k].vertices
-        else:
-            places = turned.inv().apply(scenery.vertices(compiled.q, scenery.parts[k], 1.0) - [1.0, 2.0, 3.0])
-        np.testing.assert_allclose(places.min(axis=0)[2], -half, atol=1e-12)
-        np.testing.assert_allclose(places.max(axis=0)[2], half, atol=1e-12)
-        np.testing.assert_allclose(0.5 * (places.min(axis=0) + places.max(axis=0)), [k, 0.0, 0.0], atol=1e-12)
-    assert (scenery.drawn[0].facets is None) == (not grounded)  # an ellipsoid stands for a body without a surface
-
-
-def test_the_shape_of_a_body_is_drawn_once() -> None:
-    scene = lf.SpatialScene()
-    bodies = (
-        lf.Sphere(0.1, mass=1.0),
-        lf.Capsule(0.1, 0.3, mass=1.0),
-        lf.Cylinder(0.1, 0.3, mass=1.0),
-        lf.Cuboid(0.1, 0.2, 0.3, mass=1.0),
-        lf.ConvexHull([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], mass=1.0),
-    )
-    for k, body in enumerate(bodies):
-        scene.add(body, position=(2.0 * k, 0.0, 2.0))
-    scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
-    scene.contact_all(exclude=[(scene.body("body3"), scene.body(f"body{k}")) for k in (4, 5)])
-    scenery = Scenery(scene.compiled())
-    assert scenery.parts == []
-    assert scenery.solids == []
-    scene.body("body4").box((0.0, 0.0, 0.2), (0.1, 0.1, 0.1))
-    (part,) = Scenery(scene.compiled()).parts
-    assert part.body == 3
-
-
-def test_a_surface_moves_with_the_material_that_carries_it() -> None:
-    """Of a beam that bends: a ball and a capsule at its tip, and a cylinder that turns with it."""
-    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
-    beam = lf.SpatialBeam(1.0, 4e-4, (1.3e-8, 1.3e-8), 2.2e-8, 7800.0, 2e9, poissons_ratio=0.3, elements=4).reduce(
-        modes=2
-    )
-    eta = np.array([0.03, -0.02])
-    body = scene.add(beam, "beam", position=(0.0, 0.0, 1.0), modal=eta)
-    body.sphere("right", 0.05)
-    body.capsule("center", "right", 0.02)
-    body.cylinder("right", (1.0, 0.0, 0.0), 0.03, 0.2)
-    picture, compiled = picture_of(scene)
-    ball, rod, drum = (picture._scenery.vertices(compiled.q, part, 1.0) for part in picture._scenery.parts)
-    tip, middle = beam.points["right"], beam.points["center"]
-    at = np.array([0.0, 0.0, 1.0]) + tip.place + eta @ tip.phi
-    np.testing.assert_allclose(np.linalg.norm(ball - at, axis=1), 0.05, atol=1e-12)
-    ends = np.array([0.0, 0.0, 1.0]) + np.array([middle.place + eta @ middle.phi, tip.place + eta @ tip.phi])
-    np.testing.assert_allclose(np.linalg.norm(rod[:, None] - ends, axis=2).min(axis=1), 0.02, atol=1e-12)
-    turn = np.cross(eta @ tip.psi, [0.1, 0.0, 0.0])
-    np.testing.assert_allclose(
-        drum[[0, -1]], at + np.array([[-0.1], [0.1]]) * [1.0, 0.0, 0.0] + [-turn, turn], atol=1e-12
-    )
-
-
-def test_what_is_much_larger_is_cut() -> None:
-    """A block of 100 m under one of 20 cm, cut to what is near it; a face in one plane has no lines across."""
-    scene = lf.SpatialScene()
-    scene.ground.box((0.0, 0.0, -50.0), (100.0, 100.0, 100.0), Rotation.from_euler("z", 0.3))
-    scene.ground.box((40.0, 0.0, 1.0), (0.1, 0.1, 0.1))  # too far to be seen
-    scene.add(lf.Cuboid(0.2, 0.1, 0.1, mass=1.0), position=(0.0, 0.0, 0.05))
-    picture, compiled = picture_of(scene, (30.0, -60.0))
-    (ground,) = picture._ground
-    assert ground.facets is not None
-    places = ground.facets.vertices
-    np.testing.assert_allclose(places.min(axis=0), [-0.3, -0.25, 0.0], atol=1e-9)
-    np.testing.assert_allclose(places.max(axis=0), [0.3, 0.25, 0.0], atol=1e-9)
-    assert len(ground.facets.edges) == len(places)  # once around
-    canvas, _ = picture.canvas(compiled.q, 100, 150)
-    assert (canvas.owner == picture._ground_owner()).sum() > 3000
-    assert (canvas.owner == 0).sum() > 1000
-
-
 @pytest.mark.parametrize(
     ("extents", "view"),
     [
@@ -573,48 +368,3 @@ def test_numbers_do_not_run_into_each_other(extents: tuple[float, float, float],
         for text, other in zip(ax.texts[:k], boxes[:k], strict=False):
             assert not box.overlaps(other), (ax.texts[k].get_text(), text.get_text())
     libs.plt.close(figure)
-
-
-def test_numbers_of_forces_do_not_hide_each_other() -> None:
-    """Nine that are cut, from almost one place: those that have room are beside their tips, the largest first."""
-    figure, ax = libs.plt.subplots()
-    ax.set_xlim(0.0, 1.0)
-    ax.set_ylim(0.0, 1.0)
-    draw_arrows(ax, [(np.array([0.5, 0.1]), np.array([0.5 + 1e-3 * k, 0.5]), 100.0 + k, True) for k in range(8)])
-    figure.canvas.draw()
-    words = [text for text in ax.texts if text.get_text().strip()]
-    assert 2 <= len(words) <= 6
-    assert words[0].get_text().strip() == "110 N"
-    boxes = [text.get_window_extent() for text in words]
-    for k, box in enumerate(boxes):
-        assert not any(box.overlaps(other) for other in boxes[:k])
-    libs.plt.close(figure)
-
-
-def test_of_two_bodies_the_later_one_has_the_arrow_whatever_was_declared_first() -> None:
-    for turned in (False, True):
-        scene = lf.SpatialScene()
-        low = scene.add(lf.Cuboid(0.2, 0.2, 0.2, mass=3.0), "low", position=(0.0, 0.0, 0.1))
-        high = scene.add(lf.Sphere(0.1, mass=1.0), "high", position=(0.0, 0.0, 0.3))
-        pair = (high, low) if turned else (low, high)
-        scene.contact(*(body.surface() for body in pair))
-        scene.contact(scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)), low.surface())
-        result = lf.simulate(scene, 0.01, lf.MoreauJean(step=1e-3))
-        assert result.compiled is not None
-        arrows = ContactArrows(result, result.compiled, {0: 0.2, 1: 0.2})
-        arrows.measure(1.0)
-        found = arrows.at(len(result.times) - 1)
-        assert len(found) == 5
-        assert all(arrow.tip[2] > arrow.foot[2] for arrow in found)
-        assert max(arrow.force for arrow in found) == pytest.approx(9.81)
-        lengths = [np.linalg.norm(arrow.tip - arrow.foot) / arrow.force for arrow in found if not arrow.cut]
-        np.testing.assert_allclose(lengths, arrows.length / arrows.usual, rtol=1e-12)
-
-
-def test_arrows_stay_within_the_picture() -> None:
-    result = sliding(0.4)
-    axes = result.draw(0.02).axes[0]
-    tips = np.array([one.xy for one in axes.texts if isinstance(one, libs.Annotation) and one.arrow_patch is not None])
-    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    assert (tips > [left, low]).all()
-    assert (tips < [right, high]).all()
