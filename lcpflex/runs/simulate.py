@@ -4,54 +4,34 @@ from __future__ import annotations
 
 import os
 import time
-from dataclasses import fields, replace
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from lcpflex.basics.progress import Progress
 from lcpflex.basics.pulse import beating
 from lcpflex.basics.stopwatch import Budget, Stopwatch
-from lcpflex.checks.axial_loads import with_axial_loads
-from lcpflex.checks.damping_in_time import ringing_dampers
-from lcpflex.checks.kept_depth import kept_depths
-from lcpflex.checks.loads_in_time import with_unseen_loads
-from lcpflex.checks.rebound import rebounds
-from lcpflex.checks.resolution import unresolved
 from lcpflex.checks.wound_springs import wound_spring
-from lcpflex.dynamics.impact_laws import Newton
 from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
-from lcpflex.force_laws.friction.creep import crept
 from lcpflex.jit.background import expecting
 from lcpflex.results.energy_balance import (
-    Energies,
     EnergyGrowth,
-    energy_doubts,
-    energy_warnings,
-    held_energy,
-    load_energy,
 )
 from lcpflex.results.problem_log import ProblemLog, RecordProblems
-from lcpflex.results.result import Event, Result
-from lcpflex.results.stated_error import has_moved, stated_errors
-from lcpflex.results.stored_instants import stored_as
+from lcpflex.results.result import Result
 from lcpflex.runs.checkpoint import Checkpoints
+from lcpflex.runs.collected import check_result, collect, growth_cause
 from lcpflex.runs.initial_state import began_wrong, started_from
 from lcpflex.runs.limits import Limits
-from lcpflex.runs.page_result import touching_points, with_creep
 from lcpflex.runs.request import checked_budget, checked_request
 from lcpflex.runs.setup import Options, Run, Setup, Stepper, compiled_for, set_up
-from lcpflex.runs.touched import told
 from lcpflex.runs.words import RunWords
 from lcpflex.statics.rest import Rest
-from lcpflex.steppers.law_run import friction_warnings
 
 if TYPE_CHECKING:
     from lcpflex.runs.checkpoint import Checkpoint
     from lcpflex.scene.scene import Scene
     from lcpflex.scene.spatial.scene import SpatialScene
     from lcpflex.scene.user_system import UserSystem
-    from lcpflex.steppers.system import System
 
 __all__ = ["Stepper", "carry_out", "given_up_after", "kind_of_run", "simulate"]
 
@@ -195,7 +175,7 @@ def carry_out(
     clock = Stopwatch()
     run = setup.run()
     errs = options.energy_growth is EnergyGrowth.ERROR
-    limits = Limits(_growth_cause(stepper, system) if errs else "", Budget(budget, clock))
+    limits = Limits(growth_cause(stepper, system) if errs else "", Budget(budget, clock))
     spent = (0.0, 0.0)
     message: str = ""
     cause: Exception | None = None
@@ -228,14 +208,7 @@ def carry_out(
     note = "interrupted" if interrupted else message or "ran to the end"
     if interrupted or limits.late:
         note += f" at t = {run.time:.6g} s"
-    result = _collect(setup, run, timing, note, complete)
-    result = replace(result, warnings=(*result.warnings, *unresolved(result), *rebounds(result), *kept_depths(result)))
-    result = with_axial_loads(_with_shared_bodies(result, getattr(run, "fixed_step", 0.0)))
-    if system.calls is not None:
-        result = replace(result, python_calls=system.calls.number, python_time=system.calls.time)
-    if step := getattr(run, "fixed_step", 0.0):
-        result = with_unseen_loads(result, step, setup.source)
-        result = replace(result, warnings=(*result.warnings, *ringing_dampers(result, step, stepper)))
+    result = check_result(collect(setup, run, timing, note, complete), setup, run)
     if problem_log is not None:
         result = _save_problems(problem_log, result)
     if message and (fails or not limits.late):
@@ -251,19 +224,6 @@ def carry_out(
             result=result,
         ) from cause
     return result
-
-
-def _with_shared_bodies(result: Result, step: float) -> Result:
-    """With what is to be said of contacts that share bodies, where there may be such."""
-    if len(result.contact_names) < 2 and np.bincount(result.contact_points.record, minlength=1).max() < 2:
-        return result
-    from lcpflex.checks.shared_loads import shared_loads
-    from lcpflex.checks.strikes_in_turn import strikes_in_turn
-    from lcpflex.checks.struck_together import struck_together
-
-    notes = (*result.notes, *struck_together(result), *shared_loads(result))
-    turns = strikes_in_turn(result, step) if step else ()
-    return replace(result, notes=notes, warnings=(*result.warnings, *turns))
 
 
 def _closed(touching: tuple[str, ...]) -> str:
@@ -321,84 +281,3 @@ def _advance_all(
             made = max(1, run.steps - before)  # fewer than asked for where they are slow
             chunk = max(1, min(2 * chunk, int(made * CHUNK_SECONDS / max(spent, 1e-9))))
     return "", None
-
-
-def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, complete: bool) -> Result:
-    """Everything that the run has stored, as a result."""
-    stepper, system, options = setup.stepper, setup.system, setup.options
-    found = told(system, setup.compiled, setup.names, run.records, run.events)
-    compiled, names, data, laws = found.compiled, found.names, found.data, found.laws
-    growth, loads = _growth_cause(stepper, system), load_energy(compiled)
-    held = held_energy(compiled, data["times"], data["impulse"])
-    energies = Energies.audit(*(data["energies"][:, i] for i in range(7)))
-    controlled = not getattr(run, "fixed_step", 0.0)
-    moved = compiled is not None and has_moved(found.model, data["q"], data["u"], compiled.size)
-    place_error, speed_error = stated_errors(found.model, run.records, found.rigid, data, run.steps, controlled)
-    pressed = np.count_nonzero(data["force"][:, :, 0] > 0.0, axis=0) / max(len(data["times"]), 1)
-    state = with_creep(laws, data["state"])
-    events = tuple(
-        Event(time=at, kind=kind, contact=setup.contact_name(law) if law >= 0 else "", energy_change=change)
-        for at, kind, law, change in run.events
-    )
-    stored: dict[str, Any] = {field.name: data[field.name] for field in fields(Result) if field.name in data}
-    return Result(
-        **stored | {"state": state, "energies": energies},
-        contact_points=touching_points(found),
-        sensors=setup.sensing.histories(run.records),
-        events=events,
-        warnings=(
-            *(compiled.warnings if compiled is not None else ()),
-            *run.records.warnings,
-            *friction_warnings(names, run.records.missed_friction, pressed),
-            *energy_warnings(
-                energies,
-                run.records.gain,
-                complete,
-                options.energy_growth,
-                run.steps,
-                growth,
-                _tolerance(stepper),
-                held,
-            ),
-        ),
-        complete=complete,
-        message=message,
-        steps=run.steps,
-        wall_time=timing[0],
-        compile_time=timing[1],
-        stepper=repr(stepper),
-        duration=options.duration,
-        stored=stored_as(options.interval),
-        compiled=compiled,
-        contact_names=names,
-        compliant=run.records.compliant,
-        crept=crept(laws, found.model.contacts.friction[: len(laws)], data["times"], state, data["force"]),
-        found_wrong=(
-            *options.began_wrong,
-            *run.records.wrong(),
-            *energy_doubts(
-                energies, run.records.gain, options.energy_growth, run.steps, loads, held, compiled is not None, moved
-            ),
-        ),
-        notes=(*(compiled.notes if compiled is not None else ()), *options.notes, *run.records.notes),
-        place_error=place_error,
-        speed_error=speed_error,
-        impact_step=run.records.impact_step,
-    )
-
-
-def _tolerance(stepper: Stepper) -> float:
-    """Relative error of a step that error control was asked for; 0 without."""
-    owners = (getattr(stepper, "adaptive", None), stepper, getattr(stepper, "integrator", None))
-    return max((float(getattr(owner, "rtol", 0.0)) for owner in owners), default=0.0)
-
-
-def _growth_cause(stepper: Stepper, system: System) -> str:
-    """What lets contact impulses create energy in a run of ``stepper``: only a law that is in it is blamed."""
-    contacts = system.model.contacts
-    bounces = bool(contacts.restitution.any() or contacts.tangential_restitution.any())
-    fixed = hasattr(stepper, "step") and getattr(stepper, "adaptive", None) is None
-    shorter = "a shorter step" if fixed else "tighter tolerances"
-    if bounces and contacts.friction.any() and isinstance(getattr(stepper, "impact", Newton()), Newton):
-        return f"Newton's restitution with friction does so; if not, {shorter} will help"
-    return f"no contact law of this run does so: take {shorter}"

@@ -9,7 +9,8 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.dynamics.impact_laws import Poisson, Stronge
-from lcpflex.runs.simulate import _closed, _growth_cause
+from lcpflex.runs.collected import growth_cause
+from lcpflex.runs.simulate import _closed
 from tests.scenes import floor_of
 
 
@@ -41,7 +42,7 @@ def ball(restitution: float, friction: float, modes: bool = False) -> lf.Scene:
 def test_created_energy_is_blamed_on_what_is_in_the_run(
     restitution: float, friction: float, stepper: Any, blamed: str
 ) -> None:
-    said = _growth_cause(stepper, ball(restitution, friction).compiled().system())
+    said = growth_cause(stepper, ball(restitution, friction).compiled().system())
     assert blamed in said
     assert ("Newton" in said) == ("Newton" in blamed)
 
