@@ -15,7 +15,7 @@ from lcpflex.dynamics.delassus import apply_impulses, free_velocities, row_veloc
 from lcpflex.dynamics.joint_response import joint_impulses
 from lcpflex.dynamics.large_island import prepare_large
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
 
@@ -76,7 +76,7 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
     prepare_large(model, work)
 
 
-@kernel
+@late_kernel
 def goes_on(work: Workspace, k: int, before: float) -> bool:
     """Whether contact k stayed closed over the last step, and its velocity ``before`` is no more than forces give.
 

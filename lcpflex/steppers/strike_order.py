@@ -7,18 +7,22 @@ after g_k / -gdot_k, and those of an island that close by the same instant are s
 Gaps go on from there with the velocities after it, until no contact approaches.
 
 Contacts that rest take part in each strike of their island; those that are yet to close do not.
+
+Few runs have such steps: what only these need is compiled in the first of them.
 """
 
 from __future__ import annotations
 
 import math
 
+from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.impulse import add_impulses, answer_joints
 from lcpflex.dynamics.islands import Islands
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.model.arrays import Model
 from lcpflex.model.layout import is_spatial
 from lcpflex.steppers.system import System
 
@@ -115,7 +119,7 @@ def choose_island(
     return True
 
 
-@kernel
+@late_kernel
 def choose_strikes(work: Workspace, order: StrikeOrder, restitution: FloatArray, closed: float, slow: float) -> None:
     """Which contacts of the islands laid are struck next; ``order.goes_on`` 0: no order is left to be kept."""
     islands, found = work.islands, False
@@ -153,15 +157,23 @@ def keep_struck(of: Islands, now: IntArray) -> None:
         begin = end
 
 
-@kernel
-def begin_order(u: FloatArray, free_u: FloatArray, order: StrikeOrder) -> None:
-    """Before the first strike of a step from the velocity u, to ``free_u`` without impulses."""
+@late_kernel
+def begin_order(
+    model: Model, q: FloatArray, now: FloatArray, u: FloatArray, free_u: FloatArray, work: Workspace, order: StrikeOrder
+) -> None:
+    """Before the first strike of a step from q and u, to ``free_u`` without impulses; ``now``: where contacts stand."""
+    table = work.table
+    for k in range(work.n_contacts):
+        if order.closes[k] == 1:
+            refresh(model, q, table, k)
+            order.gap[k] = table.gap[k]
+            refresh(model, now, table, k)
     for i in range(len(u)):
         order.before[i] = u[i]
         order.after[i] = free_u[i]
 
 
-@kernel
+@late_kernel
 def apply_strike(work: Workspace, order: StrikeOrder) -> None:
     """The strike just solved: what it adds to velocities and impulses, for the next one."""
     answer_joints(work)
@@ -174,13 +186,12 @@ def apply_strike(work: Workspace, order: StrikeOrder) -> None:
     order.rounds += 1
 
 
-@kernel
+@late_kernel
 def add_strikes(work: Workspace, order: StrikeOrder) -> None:
     """Count the impulses of strikes into those of the last problem of the step; least forces are not sought then."""
-    if order.rounds > 0:
-        for r in range(work.n_joint + work.n_contacts + work.n_tangents):
-            work.p[r] += order.p[r]
-        work.islands.shortened = work.islands.count
+    for r in range(work.n_joint + work.n_contacts + work.n_tangents):
+        work.p[r] += order.p[r]
+    work.islands.shortened = work.islands.count
 
 
 @kernel

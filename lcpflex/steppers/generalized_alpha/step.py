@@ -188,7 +188,8 @@ def apply_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme,
     recall_joints(work)
     n_joint = work.n_joint
     add_impulses(work, work.free_u)
-    add_strikes(work, scheme.order)
+    if scheme.order.rounds > 0:
+        add_strikes(work, scheme.order)
     finite = True
     for i in range(len(q)):
         finite = finite and math.isfinite(scheme.q_new[i])

@@ -6,7 +6,6 @@ several problems, in the order of :mod:`lcpflex.steppers.strike_order`; the last
 
 from __future__ import annotations
 
-from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics.contact_problem import lay_contacts
 from lcpflex.dynamics.delassus import apply_impulses, free_velocities, row_velocity
 from lcpflex.dynamics.large_island import prepare_large
@@ -55,19 +54,13 @@ def resting_load(work: Workspace, scheme: AlphaScheme, k: int, r: int) -> float:
 
 @kernel
 def find_closing(model: Model, n: int, work: Workspace, scheme: AlphaScheme) -> None:
-    """Which of n contacts close in this step, and where more than one does, how far apart they were at its start."""
-    order, table = scheme.order, work.table
+    """Which of n contacts close in this step, and whether their order is to be looked at."""
+    order = scheme.order
     for k in range(n):
         order.closes[k] = 1 if scheme.matched[k] < 0 else 0
-    order.goes_on = 1 if needs_order(model.contacts.restitution, table.law, n, order.closes) else 0
-    if order.goes_on == 0:
-        return
-    for k in range(n):
-        if order.closes[k] == 1:
-            refresh(model, scheme.q, table, k)
-            order.gap[k] = table.gap[k]
-            refresh(model, scheme.q_new, table, k)
-    begin_order(scheme.u, scheme.v_new, order)
+    order.goes_on = 1 if needs_order(model.contacts.restitution, work.table.law, n, order.closes) else 0
+    if order.goes_on == 1:
+        begin_order(model, scheme.q, scheme.q_new, scheme.u, scheme.v_new, work, order)
 
 
 @kernel

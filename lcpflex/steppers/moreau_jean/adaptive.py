@@ -8,7 +8,7 @@ from lcpflex.model.arrays import Model
 from lcpflex.steppers.adaptive import Limits, after_impact
 from lcpflex.steppers.backup import Backup
 from lcpflex.steppers.clock import ALONE, StepClock
-from lcpflex.steppers.moreau_jean.step import MoreauJeanScheme
+from lcpflex.steppers.moreau_jean.memory import MoreauJeanScheme
 from lcpflex.steppers.recorder import Recorder
 from lcpflex.steppers.scheme import begin_part, go_on, judge
 from lcpflex.steppers.unmet import closed_pairs, unmet

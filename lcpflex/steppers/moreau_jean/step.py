@@ -11,7 +11,6 @@ from typing import Any
 from lcpflex.contact.detection import ContactTable, detect
 from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.contact.rows import contact_point
-from lcpflex.contact.table import entry_of
 from lcpflex.dynamics.contact_forces import elastic_energy
 from lcpflex.dynamics.contact_forces_friction import add_balanced_forces, compare_friction, forces_after
 from lcpflex.dynamics.contact_forces_history import update_history
@@ -19,14 +18,7 @@ from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.impulse import add_impulses, answer_joints, pose, recall_joints
 from lcpflex.dynamics.inertia import stiffened
 from lcpflex.dynamics.islands import unfinished
-from lcpflex.dynamics.joint_reactions import (
-    begin_reached,
-    compare_reactions,
-    lay_reactions,
-    note_step,
-    spread_reached,
-    strike,
-)
+from lcpflex.dynamics.joint_reactions import compare_reactions, lay_reactions, note_step
 from lcpflex.dynamics.mechanics import (
     contact_biases,
     factorise,
@@ -36,19 +28,18 @@ from lcpflex.dynamics.mechanics import (
     solve_vector,
     supply,
 )
-from lcpflex.dynamics.reaction_memory import Reactions
 from lcpflex.dynamics.touches import note_touches
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.leaf import in_space
-from lcpflex.jit.struct import struct
 from lcpflex.kinematics.configuration import advance
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.clock import StepClock, StepCount
-from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.island_problems import shorten_forces, solve_islands
+from lcpflex.steppers.moreau_jean.memory import MoreauJeanScheme
+from lcpflex.steppers.moreau_jean.strikes import follow_order, held_within, keep_closed, struck
 from lcpflex.steppers.passing import set_out
 from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.recorder import (
@@ -65,41 +56,11 @@ from lcpflex.steppers.recorder import (
 )
 from lcpflex.steppers.scheme import NO_FACTOR, end_step, record, take_step
 from lcpflex.steppers.status import RunStatus
-from lcpflex.steppers.strike_order import (
-    StrikeOrder,
-    add_strikes,
-    apply_strike,
-    begin_order,
-    choose_strikes,
-    end_order,
-    needs_order,
-)
+from lcpflex.steppers.strike_order import add_strikes, apply_strike, end_order
 
-__all__ = ["MoreauJeanScheme", "record_impulses"]
+__all__ = ["record_impulses"]
 
-SLOWER = 10.0  # solver tolerances, times the velocities that cancel in it: such an approach is what solvers leave
-IMPACT = 2.0  # times what forces change in a step: a faster approach is that of an impact
-STILL = 1e-8  # of the fastest approach in a step: slower than that nothing approaches
-HOVER = 10.0  # gap tolerances: a body that turns lifts what it stands on by far less in a step that error control takes
 STICKING_SPEED = 1e-9  # [m/s] of a touching point on its cone: up to that it counts as sticking in the record
-
-
-@struct
-class MoreauJeanScheme:
-    """Numbers of the scheme, and its state."""
-
-    step: float
-    theta: float
-    activation: float
-    gap_tolerance: float
-    projection: int
-    tolerance: float
-    velocity_threshold: float
-    gyroscopic: int  # passes of the correction in space, at most
-    unsettled: int  # steps in which they did not suffice
-    q: FloatArray
-    u: FloatArray
-    order: StrikeOrder
 
 
 @in_space("lcpflex.steppers.spatial.closed")
@@ -110,37 +71,17 @@ def find_closed(model: Model, q: FloatArray, tolerance: float, table: ContactTab
 
 
 @kernel
-def held_within(scheme: MoreauJeanScheme) -> float:
-    """Gap up to which a contact that went on over the last step stays closed [m]: in error control, wider than others.
-
-    One that hovers at the tolerance would be lost for a step, and fall, in every step longer than its error allows.
-    """
-    return (HOVER if scheme.velocity_threshold > 0.0 else 1.0) * scheme.gap_tolerance
-
-
-@kernel
-def keep_closed(tolerance: float, n: int, work: Workspace) -> int:
-    """Of the first n entries those within ``tolerance`` [m], and those that went on over the last step."""
-    m = 0
-    for k in range(n):
-        if work.table.gap[k] <= tolerance or entry_of(work.held_key[0], work.n_held, work.table.key[k], 0) >= 0:
-            if m < k:
-                copy_entry(work.table, k, work.table, m)
-            m += 1
-    return m
-
-
-@kernel
 def predict(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace) -> int:
     """First half of a step: free motion, closed contacts, and the problem they pose. Returns the contacts found."""
     q, u, h = scheme.q, scheme.u, scheme.step
     lean = scheme.theta * h
     advance(model, q, u, lean, work.middle)
     advance(model, q, u, scheme.activation * h, work.ahead)
-    n = find_closed(model, work.ahead, held_within(scheme) if work.n_held > 0 else scheme.gap_tolerance, work.table)
+    within = held_within(scheme) if work.n_held > 0 else scheme.gap_tolerance
+    n = find_closed(model, work.ahead, within, work.table)
     if n > len(work.table.key):
         return n
-    if work.n_held > 0 and held_within(scheme) > scheme.gap_tolerance:
+    if within > scheme.gap_tolerance:
         n = keep_closed(scheme.gap_tolerance, n, work)
     if scheme.activation != scheme.theta:
         for k in range(n):
@@ -172,51 +113,6 @@ def predict(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace) -
     if n > 1:
         follow_order(model, scheme, work)
     return n
-
-
-@kernel
-def find_closing(model: Model, scheme: MoreauJeanScheme, work: Workspace) -> float:
-    """Which contacts close by an impact in this step, and how far apart they were before; the fastest approach."""
-    order, table, restitution = scheme.order, work.table, model.contacts.restitution
-    order.goes_on = 0
-    rebounds = False
-    for k in range(work.n_contacts):
-        rebounds = rebounds or restitution[table.law[k]] > 0.0
-    if not rebounds:
-        return 0.0
-    fastest = 0.0
-    for k in range(work.n_contacts):
-        r = work.n_joint + k
-        before = row_velocity(work.rows, work.row_body, r, work.dof, scheme.u)
-        free = work.free[r] - (restitution[table.law[k]] * before if abs(before) > scheme.velocity_threshold else 0.0)
-        order.closes[k] = 1 if -before > IMPACT * abs(free - before) else 0
-        fastest = max(fastest, -before)
-    if not needs_order(restitution, table.law, work.n_contacts, order.closes):
-        return 0.0
-    for k in range(work.n_contacts):
-        if order.closes[k] == 1:
-            refresh(model, scheme.q, table, k)
-            order.gap[k] = table.gap[k]
-            refresh(model, work.middle, table, k)
-    order.goes_on = 1
-    return fastest
-
-
-@kernel
-def follow_order(model: Model, scheme: MoreauJeanScheme, work: Workspace) -> None:
-    """Leave those contacts in the problem posed that are struck next; after strikes, pose it at their velocities."""
-    order = scheme.order
-    if order.rounds == 0:
-        order.slow = STILL * find_closing(model, scheme, work)
-        if order.goes_on == 0:
-            return
-        begin_order(scheme.u, work.free_u, order)
-    else:
-        for i in range(len(order.after)):
-            work.free_u[i] = order.after[i]
-        pose(model, work, order.before, (1.0 - scheme.theta) * scheme.step, scheme.velocity_threshold)
-    slow = max(order.slow, scheme.velocity_threshold)
-    choose_strikes(work, order, model.contacts.restitution, scheme.gap_tolerance, slow)
 
 
 @in_space("lcpflex.dynamics.spatial.gyroscopic")
@@ -264,13 +160,14 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, rec
         lost = half * contacts.friction[i] * (u[i] + work.free_u[i])
         recorder.counts.lost_friction -= lost
         recorder.counts.lost_damping += lost
+    told = contacts.n_contacts > 0 and all_indent(recorder)
     for k in range(contacts.n_contacts):
         both = contacts.rate[k]
         both += row_velocity(contacts.rows, contacts.row_body, contacts.n_joint + k, contacts.dof, work.free_u)
         lost = half * (contacts.p[k, 0] - contacts.elastic[k]) * both
         recorder.counts.lost_impacts -= lost
         recorder.counts.lost_damping += lost
-        if all_indent(recorder):
+        if told:
             recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -contacts.table.gap[k])
         add_compliant_impulse(contacts, k, scheme.step, recorder)
     for r in range(n_joint):
@@ -309,41 +206,6 @@ def audit_contacts(u: FloatArray, work: Workspace, recorder: Recorder) -> float:
 
 
 @kernel
-def struck(model: Model, scheme: MoreauJeanScheme, work: Workspace, reactions: Reactions) -> bool:
-    """Whether something was struck; ``reactions.reached``: the bodies that it reached."""
-    some = False
-    for k in range(work.n_contacts):
-        if closes_with_impact(model, scheme, work, k):
-            if not some:
-                begin_reached(work, reactions)
-            some = True
-            strike(work, k, reactions)
-    if some:
-        spread_reached(work, reactions)
-    return some
-
-
-@kernel
-def closes_with_impact(model: Model, scheme: MoreauJeanScheme, work: Workspace, k: int) -> bool:
-    """Whether contact k carries, and approached faster than forces let it within two steps: then it was an impact.
-
-    Not where it stayed closed over the step before: what it approaches by is then the turn of its normal.
-    """
-    r = work.n_joint + k
-    if not work.p[r] > 0.0:
-        return False
-    if scheme.order.rounds > 0 and scheme.order.closes[k] == 1:
-        return True
-    before = row_velocity(work.rows, work.row_body, r, work.dof, scheme.u)
-    free = work.effect[k]
-    if abs(before) > scheme.velocity_threshold:
-        free -= model.contacts.restitution[work.table.law[k]] * before
-    if not -before > IMPACT * abs(free - before) + SLOWER * scheme.tolerance * work.terms[k]:
-        return False
-    return bool(entry_of(work.held_key[0], work.n_held, work.table.key[k], 0) < 0)
-
-
-@kernel
 def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, recorder: Recorder) -> bool:
     """Second half of a step: impulses, then u+ and q+ in place. False where they are not finite: u and q stay, then."""
     q, u, h = scheme.q, scheme.u, scheme.step
@@ -351,7 +213,8 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, r
     answer_joints(work)
     recall_joints(work)
     add_impulses(work, work.free_u)
-    add_strikes(work, scheme.order)
+    if scheme.order.rounds > 0:
+        add_strikes(work, scheme.order)
     for i in range(len(u)):
         if not math.isfinite(work.free_u[i]):
             return False
@@ -370,9 +233,8 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, r
             return False
     tolerance = 1e-12 * (1.0 + largest)
     project_joints(model, t + h, q, u, work, recorder, tolerance)
-    if project_contacts(
-        model, h, scheme.gap_tolerance, held_within(scheme), scheme.projection == 1, q, work, recorder
-    ):  # fmt: skip
+    stay = held_within(scheme)
+    if project_contacts(model, h, scheme.gap_tolerance, stay, scheme.projection == 1, q, work, recorder):
         project_joints(model, t + h, q, u, work, recorder, tolerance)
     return True
 

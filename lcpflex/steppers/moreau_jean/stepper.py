@@ -26,8 +26,11 @@ from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.coarse_touches import rounded_down
 from lcpflex.steppers.law_run import refuse_states
-from lcpflex.steppers.moreau_jean import adaptive as _adaptive  # noqa: F401  (what error control asks)
-from lcpflex.steppers.moreau_jean.step import MoreauJeanScheme
+from lcpflex.steppers.moreau_jean import (
+    adaptive as _adaptive,  # noqa: F401  (what error control asks)
+    step as _step,  # noqa: F401  (the kernels of the scheme)
+)
+from lcpflex.steppers.moreau_jean.memory import MoreauJeanScheme
 from lcpflex.steppers.options import keep_budget, keep_solver
 from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import scales_of

@@ -82,7 +82,6 @@ def alone(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return run(tmp_path_factory.mktemp("alone"), "1")
 
 
-@pytest.mark.xfail(reason="257 kernels since strikes have an order", strict=False)
 @pytest.mark.slow
 def test_what_the_demo_compiles(alone: dict[str, Any]) -> None:
     """First use is bytecode: a quarter of a second for a kilobyte, and no kernel but those of this scene."""
