@@ -2,16 +2,20 @@
 
 Matrices of such contacts are singular but for rounding, and masses may differ by ten decades. Where Newton's method on
 the min-map ends beside the solution, the last digits of the data decide so: from the end of a path of data that
-differ in the sixth to twelfth digit it often ends in it. Which ones do cannot be told beforehand.
+differ in the sixth to twelfth digit it often ends in it. Which ones do cannot be told beforehand. What is a solution as
+a whole, and not for each contact, is repaired.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.lcp.newton import MinMapNewton
+from lcpflex.solvers.lcp.repairing import repaired
 from lcpflex.solvers.problem import Lcp, Solution, accept
 
 __all__ = ["PERTURBED", "TRIALS", "perturbed_newton"]
@@ -35,8 +39,12 @@ def perturbed_newton(problem: Lcp, d: FloatArray, tolerance: float, trials: int 
         first = method.solve(_other(alike, trial))
         found = method.solve(alike, accept(alike, first.z, tolerance=tolerance))
         iterations += first.iterations + found.iterations
-        if found.residual < best.residual:
-            best = accept(problem, d * found.z, tolerance=tolerance, iterations=iterations, route=PERTURBED)
+        told = accept(problem, d * found.z, tolerance=tolerance, iterations=iterations, route=PERTURBED)
+        if not told.settled:
+            mended = repaired(problem, told, tolerance)
+            told = told if mended is None else replace(mended, iterations=iterations, route=PERTURBED)
+        if told.settled or told.residual < best.residual:
+            best = told
         if best.settled or out_of_time():
             break
     return best

@@ -128,7 +128,6 @@ def test_answers_that_differ_are_exempt_only_where_the_data_do_not_tell(seed, ki
     assert not undetermined(problem, replace(found, z=z))
 
 
-@pytest.mark.xfail(reason="7 of 8 since each contact is judged by its own load", strict=False)
 @pytest.mark.slow
 def test_what_one_system_of_units_solved_is_solved_in_nearly_all():
     """Wedged contacts with masses that differ by ten decades, on which the last digits of the data decide.
