@@ -29,7 +29,10 @@ SWEEPS = 4  # that even out the largest entries where there is no diagonal, or i
 
 
 class Units(NamedTuple):
-    """z = d load z', w = w' load / d: how a problem in its own units is to be read in those of its user."""
+    """z = d load z', w = w' load / d: how a problem in its own units is to be read in those of its user.
+
+    By one after the other: their product, or their ratio, may vanish or be infinite where z or w is neither.
+    """
 
     d: FloatArray  # (n,)
     load: float  # a power of two near the largest entry of q: the other one has that near 1, and never vanishes
@@ -43,12 +46,22 @@ class Units(NamedTuple):
     def inward(self, z: FloatArray) -> FloatArray:
         """z' of a point z."""
         with np.errstate(all="ignore"):  # what is not finite is judged so
-            return np.asarray(z / (self.d * self.load))
+            return np.asarray(z / self.load / self.d)
 
     def outward(self, z: FloatArray) -> FloatArray:
         """z of a point z'."""
         with np.errstate(all="ignore"):
-            return np.asarray(z * (self.d * self.load))
+            return np.asarray(z * self.d * self.load)
+
+    def slack_inward(self, w: FloatArray) -> FloatArray:
+        """w' of w = M z + q."""
+        with np.errstate(all="ignore"):
+            return np.asarray(w / self.load * self.d)
+
+    def slack_outward(self, w: FloatArray) -> FloatArray:
+        """w of w'."""
+        with np.errstate(all="ignore"):
+            return np.asarray(w / self.d * self.load)
 
 
 @kernel

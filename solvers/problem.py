@@ -191,7 +191,7 @@ class Lcp:
         """How far z (n,) is from the exact solution on its active set: :func:`off_in_fractions`."""
         alike, units = self.balanced()
         rows = np.abs(alike.M).max(axis=1)
-        inward, slack = (z, w) if units is None else (units.inward(z), w * (units.d / units.load))
+        inward, slack = (z, w) if units is None else (units.inward(z), units.slack_inward(w))
         return off_in_fractions(self, z, (z > 0.0) & (rows * inward > slack))
 
     def _sizes(self, z: FloatArray, w: FloatArray) -> tuple[float, float, float]:
@@ -223,7 +223,7 @@ class Lcp:
         if not terms < np.inf:
             return np.inf, ""
         M, q, units, contacts = self.measures()[0]
-        inward = (z, w) if units is None else (units.inward(z), w * (units.d / units.load))
+        inward = (z, w) if units is None else (units.inward(z), units.slack_inward(w))
         miss, _, own = own_parts((M, q), *inward, contacts)
         worst = int(np.argmax(np.where(miss > 0.0, miss / np.where(own > 0.0, own, 1.0), 0.0)))
         return terms, f"{'row' if contacts is None else 'contact'} {worst}"

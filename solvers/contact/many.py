@@ -55,7 +55,7 @@ class Search:
         if guess is not None and guess.z.shape == (problem.size,):
             z = np.maximum(guess.z, 0.0)
             if problem.residuals(z)[0] <= FAR:
-                self.forces = np.concatenate(problem.forces(z)) / (problem.row_units * problem.unknown_units.load)
+                self.forces = np.concatenate(problem.forces(z)) / problem.unknown_units.load / problem.row_units
 
     @property
     def done(self) -> bool:
@@ -194,7 +194,7 @@ class Search:
             point_of_forces(c.first, c.other, c.block, c.free, c.friction, c.tangent_of, forces, z)
             z = problem.unknown_units.outward(z)
         else:
-            own = forces * (problem.row_units * problem.unknown_units.load)
+            own = forces * problem.row_units * problem.unknown_units.load
             z = problem.unknowns(*np.split(own, [len(problem.friction)]))
         return z if np.isfinite(z).all() else np.zeros(len(z))  # beyond what floats hold in the units of the user
 

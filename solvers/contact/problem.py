@@ -346,9 +346,7 @@ class ContactProblem:
             return self.slack(z), *self.residuals(z)
         w = np.empty(self.size)
         residual, strict, _ = self._sizes(self._point(z), w)
-        with np.errstate(all="ignore"):
-            w *= units.load / units.d
-        return w, float(residual), float(strict)
+        return units.slack_outward(w), float(residual), float(strict)
 
     def by_terms(self, z: FloatArray) -> tuple[float, str]:
         """The residual of z (n,) relative to the terms that cancel in each contact, and which contact is worst.

@@ -77,7 +77,7 @@ def residual_in_fractions(problem: Lcp, z: FloatArray) -> tuple[FloatArray, floa
         return None
     worst = 0.0
     for M, right, units, contacts in problem.measures():
-        inward = (z, w) if units is None else (units.inward(z), w * (units.d / units.load))
+        inward = (z, w) if units is None else (units.inward(z), units.slack_inward(w))
         miss, _, own = own_parts((M, right), *inward, contacts)
         with np.errstate(all="ignore"):
             worst = max(worst, float(np.where(miss > 0.0, miss / own, 0.0).max(initial=0.0)))

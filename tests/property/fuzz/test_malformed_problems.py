@@ -68,7 +68,6 @@ def test_malformed_problems_are_refused_by_name():
     check(1, 1500)
 
 
-@pytest.mark.xfail(reason="a bare warning of overflow while units are scaled", strict=False)
 @pytest.mark.slow
 def test_many_malformed_problems():
     check(2, 15_000)

@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse
 
 from lcpflex.errors import ModelError
-from lcpflex.solvers import ContactProblem, Enumeration, Lemke, Status, accept
+from lcpflex.solvers import Auto, ContactProblem, Enumeration, Lemke, Status, accept
 from lcpflex.solvers.contact.lcp_forms import from_copositive
 from lcpflex.solvers.contact.problem import (
     BLOCK,
@@ -199,6 +199,15 @@ class TestResidual:
     def test_points_that_overflow(self):
         for problem in (PROBLEM, replace(PROBLEM, delassus=None, factor=np.linalg.cholesky(G))):
             assert problem.residual(np.full(4, 1e308)) == np.inf
+
+    def test_a_load_at_the_end_of_the_floats(self):
+        """Of 1e-314 a float has a few digits: how far they go is told, and nothing overflows on the way there."""
+        G = [[3.4, 2.9, -0.7, -1.5], [2.9, 3.7, 0.4, -0.9], [-0.7, 0.4, 6.4, -1.3], [-1.5, -0.9, -1.3, 2.7]]
+        small = ContactProblem(G, np.array([3.4e-318, -1.1e-314, 4.2e-315, -2.4e-315]), friction=[0.3, 0.0, 0.0])
+        found = Auto().solve(small)
+        assert found.status is Status.INACCURATE
+        assert 1e-10 < found.residual == small.residual(found.z) < 1e-7
+        assert small.lcp().by_terms(found.z) == (pytest.approx(found.residual), "contact 1")
 
     def test_points_of_another_shape(self):
         for ask in (PROBLEM.residual, PROBLEM.slack, PROBLEM.forces):
