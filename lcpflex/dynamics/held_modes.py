@@ -9,18 +9,23 @@ keeps its mass, and the rest, which stays, is what contacts and forces are left:
 X_s is the complement of X_d in the metric of the stiffness, so that both together have the static compliance of E, at
 contacts as well as at joints, and contact forces move no joint. Mass alone couples them: X_d^T X_s, which is left out
 with the mass of X_s. The modes of the other bodies, and all modes where nothing holds the body, stay as they are.
+
+Of X_d, some may leave joints where they are, too, if the frame moves along: R with B_R^T R + B^T X = 0, as where a body
+that is held at one end gives way along its axis at the other. Held so, it vibrates; vibrations that are faster than one
+of X_s are static as that is, and have the rigid part R: else a contact would meet mass that nothing lets give way.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from lcpflex.basics.blas import one_thread
+from lcpflex.dynamics.mass_matrix import body_mass_matrix
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Bodies, Contacts, Model, Points, changed
@@ -34,16 +39,15 @@ NOTHING = 1e-12  # of the largest compliance of a body at its joints: none, as a
 DEPENDENT = 1e-4  # square root of the share of the compliance that one more mode of joints must add
 SOFT = 1e-3  # stiffness of a spring by that of the static modes: they change what it holds by no more
 
-
-Way: TypeAlias = tuple[FloatArray, bool]  # shapes (n,) of the modes, and whether they turn
+Way: TypeAlias = tuple[FloatArray, bool]  # (3 + n,) what frame and modes move by a unit each, and whether they turn
 
 
 class PartedModes(NamedTuple):
     """A model whose static modes stay where joints and springs act, and its coordinates by the former ones.
 
-    held: (ndof,) 1/omega^2 [s^2] of what joints and springs hold of them, else 0.
-    ``turn``: by body the matrix T (n, n) of q = T q', modal coordinates of the model as it was by those of this one;
-    None where they are the same.
+    held: (ndof,) 1/omega^2 [s^2] of what keeps its mass for joints and springs, else 0.
+    ``turn``: by body the matrix T (3 + n, n) of its motion as it was, frame in its own axes and modes, by modal
+    coordinates of this model; None where they are the same.
     """
 
     model: Model
@@ -53,23 +57,41 @@ class PartedModes(NamedTuple):
 
     def coordinates(self, values: FloatArray) -> FloatArray:
         """Coordinates of this model from those of the former one (ndof,)."""
-        return self._mapped(values, lambda T, modal: np.asarray(np.linalg.solve(T, modal)))
+        out = values.copy()
+        for frame, modal, T in self._turned():
+            out[modal] = np.linalg.solve(T[N_RIGID:], values[modal])
+            _move_frame(out[frame], -1.0, T, out[modal])
+        return out
 
     def velocities(self, values: FloatArray) -> FloatArray:
         """Velocities of this model nearest to those of the former one (ndof,), none of static coordinates."""
-        nearest = self._mapped(values, lambda T, modal: np.asarray(T.T @ modal))
+        nearest = values.copy()
+        for _, modal, T in self._turned():
+            nearest[modal] = T[N_RIGID:].T @ values[modal]
         return np.where(self.flexibility > 0.0, 0.0, nearest)
 
     def former(self, values: FloatArray) -> FloatArray:
-        """Coordinates or velocities of the former model from those of this one (ndof,)."""
-        return self._mapped(values, lambda T, modal: np.asarray(T @ modal))
-
-    def _mapped(self, values: FloatArray, by: Callable[[FloatArray, FloatArray], FloatArray]) -> FloatArray:
+        """Coordinates of the former model from those of this one (ndof,), or velocities, none of static coordinates."""
         out = values.copy()
-        for turn, (first, last) in zip(self.turn, pairwise(self.model.bodies.dof.tolist()), strict=True):
-            if turn is not None:
-                out[first + N_RIGID : last] = by(turn, values[first + N_RIGID : last])
+        for frame, modal, T in self._turned():
+            _move_frame(out[frame], 1.0, T, values[modal])
+            out[modal] = T[N_RIGID:] @ values[modal]
         return out
+
+    def _turned(self) -> Iterator[tuple[slice, slice, FloatArray]]:
+        """Coordinates of the frame and of the modes of each body that has a matrix, and this."""
+        for T, (first, last) in zip(self.turn, pairwise(self.model.bodies.dof.tolist()), strict=True):
+            if T is not None:
+                yield slice(first, first + N_RIGID), slice(first + N_RIGID, last), T
+
+
+def _move_frame(frame: FloatArray, sign: float, T: FloatArray, modal: FloatArray) -> None:
+    """The frame (3,), in place, along with modal coordinates, or back: its axes are those of ``modal``'s own model."""
+    x, y, turn = T[:N_RIGID] @ modal
+    angle = frame[2] + min(sign, 0.0) * turn
+    frame[0] += sign * (math.cos(angle) * x - math.sin(angle) * y)
+    frame[1] += sign * (math.sin(angle) * x + math.cos(angle) * y)
+    frame[2] += sign * turn
 
 
 def part_modes(model: Model, flexibility: FloatArray, q: FloatArray) -> PartedModes:
@@ -84,13 +106,14 @@ def part_modes(model: Model, flexibility: FloatArray, q: FloatArray) -> PartedMo
             turn.append(None)
             continue
         with one_thread(len(static)):
-            parts = _parts(stiffness[own][static], _held(model, q, b, stiffness[own], static)[static])
+            parts = _parts(model, q, b, stiffness[own], static)
         if parts is None:
             turn.append(None)
             continue
         count, columns, squares = parts
-        whole = np.eye(last - first - N_RIGID)
-        whole[np.ix_(static, static)] = columns
+        whole = np.eye(last - first, last - first - N_RIGID, -N_RIGID)
+        whole[:N_RIGID, static] = columns[:N_RIGID]
+        whole[np.ix_(N_RIGID + static, static)] = columns[N_RIGID:]
         turn.append(whole)
         stiffness[own.start + static] = squares
         flexibility[first + N_RIGID + static[:count]] = 0.0
@@ -99,12 +122,22 @@ def part_modes(model: Model, flexibility: FloatArray, q: FloatArray) -> PartedMo
     return PartedModes(_turned(model, stiffness, turn), flexibility, taken, tuple(turn))
 
 
-def _held(model: Model, q: FloatArray, b: int, omega2: FloatArray, static: IntArray) -> FloatArray:
-    """(n, k) what unit forces and moments of joints and springs of body b do on its modes, where static ones matter."""
-    ways = [*_joint_ways(model, q, b), *_spring_ways(model, b, omega2, static)]
+def _ways_of(model: Model, q: FloatArray, b: int, static: IntArray) -> list[Way]:
+    """Where and how joints and springs hold body b."""
+    omega2 = model.bodies.stiffness[_own(model, b)]
+    return [*_joint_ways(model, q, b), *_spring_ways(model, b, omega2, static)]
+
+
+def _own(model: Model, b: int) -> slice:
+    """The modes of body b among those of all."""
+    return slice(int(model.bodies.dof[b]) - N_RIGID * b, int(model.bodies.dof[b + 1]) - N_RIGID * (b + 1))
+
+
+def _held(ways: list[Way], omega2: FloatArray, static: IntArray) -> FloatArray:
+    """(n, k) what unit forces and moments of joints and springs do on the modes of a body, where static ones matter."""
     kept = []
     for angular in (False, True):
-        some = [way for way, is_angular in ways if is_angular == angular]
+        some = [way[N_RIGID:] for way, is_angular in ways if is_angular == angular]
         columns = np.array(some).reshape(len(some), len(omega2)).T
         energy = columns**2 / omega2[:, None]
         whole, part = energy.sum(axis=0), energy[static].sum(axis=0)
@@ -113,7 +146,7 @@ def _held(model: Model, q: FloatArray, b: int, omega2: FloatArray, static: IntAr
 
 
 def _joint_ways(model: Model, q: FloatArray, b: int) -> list[Way]:
-    """Shapes of body b at its joints in the ways in which these may push it."""
+    """How body b moves at its joints in the ways in which these may push it."""
     joints = model.joints
     found = []
     for ends, (first, last) in zip(joints.point.tolist(), pairwise(joints.row.tolist()), strict=True):
@@ -134,7 +167,7 @@ def _joint_ways(model: Model, q: FloatArray, b: int) -> list[Way]:
 
 
 def _along(ways: list[Way], axis: FloatArray, turn: float) -> FloatArray:
-    """The shape along an axis of the body of Q, from those along x and y of a body that stands ``turn`` behind it."""
+    """The way along an axis of the body of Q, from those along x and y of a body that stands ``turn`` behind it."""
     cos, sin = math.cos(turn), math.sin(turn)
     return np.asarray((cos * axis[0] - sin * axis[1]) * ways[0][0] + (sin * axis[0] + cos * axis[1]) * ways[1][0])
 
@@ -155,27 +188,29 @@ def _spring_ways(model: Model, b: int, omega2: FloatArray, static: IntArray) -> 
         for point in ends:
             if model.points.body[point] == b:
                 for way, angular in _ways(model.points, point, [kind], point == ends[1]):
-                    if value[0] * float(np.sum(way[static] ** 2 / omega2[static])) > SOFT:
+                    if value[0] * float(np.sum(way[N_RIGID + static] ** 2 / omega2[static])) > SOFT:
                         found.append((way, angular))
     return found
 
 
 def _ways(points: Points, p: int, kinds: list[int], guides: bool) -> list[Way]:
-    """Shapes at a point along x and y, if relative coordinates of such kinds push it, and turning, if one turns it.
+    """Ways of a point along x and y, if relative coordinates of such kinds push it, and turning, if one turns it.
 
     ``guides``: it carries the line that a coordinate is measured along, so that what slides on it has a lever.
     """
     own = slice(points.start[p], points.start[p + 1])
-    forces = [(shape, False) for shape in points.phi[own].T] if any(not ANGULAR[kind] for kind in kinds) else []
+    x, y = points.place[p].tolist()
+    frame = np.array([[1.0, 0.0, -y], [0.0, 1.0, x]])
+    along = [(np.concatenate([rigid, shape]), False) for rigid, shape in zip(frame, points.phi[own].T, strict=True)]
+    forces = along if any(not ANGULAR[kind] for kind in kinds) else []
     turns = any(ANGULAR[kind] for kind in kinds) or (guides and ALONG in kinds)
-    return [*forces, (points.psi[own], True)] if turns else forces
+    return [*forces, (np.array([0.0, 0.0, 1.0, *points.psi[own]]), True)] if turns else forces
 
 
 def held_count(model: Model, q: FloatArray, b: int, static: IntArray) -> int:
     """How many combinations of the ``static`` modes of body b joints and springs hold, bodies standing at q."""
-    own = slice(int(model.bodies.dof[b]) - N_RIGID * b, int(model.bodies.dof[b + 1]) - N_RIGID * (b + 1))
-    omega2 = model.bodies.stiffness[own]
-    return _span(omega2[static], _held(model, q, b, omega2, static)[static])[1]
+    omega2 = model.bodies.stiffness[_own(model, b)]
+    return _span(omega2[static], _held(_ways_of(model, q, b, static), omega2, static)[static])[1]
 
 
 def _span(omega2: FloatArray, held: FloatArray) -> tuple[FloatArray, int]:
@@ -190,19 +225,60 @@ def _span(omega2: FloatArray, held: FloatArray) -> tuple[FloatArray, int]:
     return span, int(np.sum(size > DEPENDENT * size[0]))
 
 
-def _parts(omega2: FloatArray, held: FloatArray) -> tuple[int, FloatArray, FloatArray] | None:
-    """How many modes are held, [X_d, X_s] by the static modes, and their omega^2; None where none is held."""
-    span, count = _span(omega2, held)
+def _parts(
+    model: Model, q: FloatArray, b: int, omega2: FloatArray, static: IntArray
+) -> tuple[int, FloatArray, FloatArray] | None:
+    """How many of the ``static`` modes of body b keep their mass, T (3 + k, k), where these come first, and omega^2.
+
+    None where nothing holds any. Rows of T: the frame, in its own axes, and the modes.
+    """
+    ways = _ways_of(model, q, b, static)
+    span, count = _span(omega2[static], _held(ways, omega2, static)[static])
     if not count:
         return None
-    soft = 1.0 / np.sqrt(omega2)
-    columns, squares = [], []
-    for part in (span[:, :count], span[:, count:]):
-        if part.shape[1]:  # displacements of unit energy: where their mass is diagonal, too, it is 1/omega^2
-            shapes, period, _ = np.linalg.svd(soft[:, None] * part, full_matrices=False)
-            columns.append(shapes)
-            squares.append(period**-2.0)
-    return count, np.hstack(columns), np.concatenate(squares)
+    held, still = span[:, :count], span[:, count:]
+    soft = 1.0 / np.sqrt(omega2[static])
+    frame = np.zeros((N_RIGID, still.shape[1]))
+    if still.shape[1]:
+        moving = np.concatenate([np.arange(N_RIGID), N_RIGID + static])
+        mass = body_mass_matrix(model.bodies, b, np.zeros(N_RIGID + len(omega2)))[np.ix_(moving, moving)]
+        rows = np.array([way[moving] for way, _ in ways])
+        fast = _fast(mass, rows, soft[:, None] * held, _of_unit_mass(soft, still, frame)[1][0])
+        frame, still = np.hstack([frame, fast[:N_RIGID]]), np.hstack([still, held @ fast[N_RIGID:]])
+        if fast.shape[1]:
+            held = held @ np.linalg.svd(fast[N_RIGID:])[0][:, fast.shape[1] :]
+    parts = [(held, np.zeros((N_RIGID, held.shape[1]))), (still, frame)]
+    columns, squares = zip(*(_of_unit_mass(soft, part, along) for part, along in parts if part.shape[1]), strict=True)
+    return held.shape[1], np.hstack(columns), np.concatenate(squares)
+
+
+def _of_unit_mass(soft: FloatArray, part: FloatArray, frame: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Combinations (3 + k, m) of displacements of unit energy and of the frame's along with them, and their omega^2.
+
+    The latter ascend. Mass of the modes alone counts: where it is diagonal as well, it is 1/omega^2.
+    """
+    shapes, period, turn = np.linalg.svd(soft[:, None] * part, full_matrices=False)
+    return np.vstack([frame @ turn.T / period, shapes]), period**-2.0
+
+
+def _fast(mass: FloatArray, rows: FloatArray, given: FloatArray, square: float) -> FloatArray:
+    """(3 + m, f) vibrations faster than sqrt(``square``) of frame and displacements ``given`` (k, m) of unit energy.
+
+    The ``rows`` (r, 3 + k) hold the body; each is of unit energy.
+    """
+    basis = np.eye(N_RIGID + len(given), N_RIGID + given.shape[1])
+    basis[N_RIGID:, N_RIGID:] = given
+    mass, rows = basis.T @ mass @ basis, rows @ basis
+    scale = 1.0 / np.sqrt(np.diag(mass))  # of metres, radians and modal coordinates
+    rows = rows * scale
+    _, size, axes = np.linalg.svd(rows / np.linalg.norm(rows, axis=1, keepdims=True))
+    Z = scale[:, None] * axes[int(np.sum(size > DEPENDENT * size[0])) :].T
+    if not Z.shape[1]:
+        return Z
+    lower = np.linalg.inv(np.linalg.cholesky(Z.T @ mass @ Z))
+    squares, vectors = np.linalg.eigh(lower @ (Z[N_RIGID:].T @ Z[N_RIGID:]) @ lower.T)
+    found = Z @ lower.T @ vectors[:, squares > square]
+    return np.asarray(found / np.linalg.norm(found[N_RIGID:], axis=0))
 
 
 def _turned(model: Model, stiffness: FloatArray, turn: list[FloatArray | None]) -> Model:
@@ -212,18 +288,22 @@ def _turned(model: Model, stiffness: FloatArray, turn: list[FloatArray | None]) 
     bodies, points, contacts = model.bodies, model.points, model.contacts
     flat = {name: getattr(bodies, name).copy() for name in ("S", "a", "c", "damping", *SQUARE)}
     phi, psi, deflection = points.phi.copy(), points.psi.copy(), contacts.surface_deflection.copy()
-    for b, T in enumerate(turn):
-        if T is None:
+    for b, whole in enumerate(turn):
+        if whole is None:
             continue
-        own = slice(int(bodies.dof[b]) - N_RIGID * b, int(bodies.dof[b + 1]) - N_RIGID * (b + 1))
+        own, shift, T = _own(model, b), whole[:N_RIGID], whole[N_RIGID:]
+        its = np.flatnonzero(points.body == b)
         for name in ("S", "a", "c"):
             flat[name][own] = T.T @ flat[name][own]
         _turn_squares(bodies, b, T, own, flat)
-        for p in np.flatnonzero(points.body == b):
+        for p in its:
             span = slice(points.start[p], points.start[p + 1])
-            phi[span], psi[span] = T.T @ phi[span], T.T @ psi[span]
+            x, y = points.place[p]
+            phi[span] = T.T @ phi[span] + shift[:2].T + shift[2][:, None] * np.array([-y, x])
+            psi[span] = T.T @ psi[span] + shift[2]
+        reach = np.hypot(shift[0], shift[1]) + np.abs(shift[2]) * np.hypot(*points.place[its].T).max()
         for s in np.flatnonzero(contacts.surface_body == b):
-            deflection[s, : len(T)] = deflection[s, : len(T)] @ np.abs(T)
+            deflection[s, : len(T)] = deflection[s, : len(T)] @ np.abs(T) + reach
     return pack(
         changed(
             Model,

@@ -31,7 +31,7 @@ class BoundaryScheme:
     load_before: FloatArray = array("ndof")  # those of the step before
     loaded: int  # 1: there may be some
     turn_start: IntArray  # (bodies + 1,) offsets into turn; equal where the coordinates of a body are its own
-    turn: FloatArray  # flat n x n matrices T, row-major: q = T q' of the modes of a body (lcpflex.dynamics.held_modes)
+    turn: FloatArray  # flat (3 + n) x n matrices T, row-major, of frame and modes (lcpflex.dynamics.held_modes)
     acceleration: FloatArray = array("ndof")
     rate: FloatArray = array("ndof")  # of change of the static coordinates, of which contacts are linearised
     guess: FloatArray = array("ndof")  # velocity at which forces are evaluated

@@ -35,10 +35,10 @@ from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.contact.compiled import slip_of, solve_contacts
 from lcpflex.solvers.contact.recollection import recall_basis, remember_basis, turn_over
-from lcpflex.solvers.semidefinite import dot
 from lcpflex.steppers.clock import StepClock, StepCount
 from lcpflex.steppers.massless_boundary.memory import BoundaryScheme
 from lcpflex.steppers.massless_boundary.static_loads import book_loads, load_static_modes
+from lcpflex.steppers.massless_boundary.stored import turn_back
 from lcpflex.steppers.passing import set_out
 from lcpflex.steppers.projection import project_joints
 from lcpflex.steppers.recorder import (
@@ -252,22 +252,6 @@ def record_forces(model: Model, scheme: BoundaryScheme, t: float, work: Workspac
     store_state(model, t, q, u, work, stored, recorder)
     turn_back(model, scheme, recorder)
     return needed
-
-
-@kernel
-def turn_back(model: Model, scheme: BoundaryScheme, recorder: Recorder) -> None:
-    """The instant just stored in the coordinates that its bodies came with."""
-    row = recorder.n_instants - 1
-    dof = model.bodies.dof
-    for b in range(len(dof) - 1):
-        start = scheme.turn_start[b]
-        if scheme.turn_start[b + 1] > start:
-            first = dof[b] + N_RIGID
-            n = dof[b + 1] - first
-            for i in range(n):
-                line = scheme.turn[start + i * n : start + (i + 1) * n]
-                recorder.q[row, first + i] = dot(line, scheme.q, first, n)
-                recorder.u[row, first + i] = dot(line, scheme.u, first, n)
 
 
 @kernel

@@ -141,11 +141,12 @@ class MasslessBoundary:
         at the start, and at most a thousandth of the duration.
     dynamic_modes
         Number of lowest modes that keep their mass, of each body with a contact; those above are its compliance at
-        contacts and under forces, but for what gives way to joints and springs, which keeps its mass, too: a body has
-        the static compliance of all its modes wherever something acts. None: all modes that were asked for, where the
-        body has residual modes for its contacts besides, as ``scene.add(body, modes=8)`` gives it; half of its modes,
-        rounded down and with those of joints, where it has none. Fewer allow longer steps; 1/omega^2 of the modes above
-        them must hold enough compliance for all the contacts of the body that close together.
+        contacts and under forces, but for what gives way to joints and springs, which keeps its mass, too, where it is
+        no faster than these: a body has the static compliance of all its modes wherever something acts. None: all modes
+        that were asked for, where the body has residual modes for its contacts besides, as ``scene.add(body, modes=8)``
+        gives it; half of its modes, rounded down and with those of joints, where it has none. Fewer allow longer steps;
+        1/omega^2 of the modes above them must hold enough compliance for all the contacts of the body that close
+        together.
     substeps
         Divide steps that the stability limit 2/omega does not admit, where omega is the highest frequency of the
         system with its contacts closed as they are and its joints held. False: stop instead, with the admissible step.

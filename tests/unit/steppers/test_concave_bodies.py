@@ -119,19 +119,13 @@ LONG = {
 }
 
 
-HELD = pytest.mark.xfail(reason="7 % of the energy of a held pawl is lost, 1e-3 before", strict=False)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("chain", ["closed", "open", "part"])
-@pytest.mark.parametrize(
-    "stepper", [pytest.param(name, marks=HELD) if name == "massless boundary" else name for name in LONG]
-)
+@pytest.mark.parametrize("stepper", LONG)
 def test_a_ratchet_locks(stepper: str, chain: str) -> None:
     check(lf.simulate(ratchet(chain), 0.25, LONG[stepper](), record=1e-5))
 
 
-@pytest.mark.xfail(reason="steps are divided since a held body keeps its mass at joints", strict=False)
 @pytest.mark.slow
 def test_a_pawl_slides_up_a_tooth_with_massless_contacts() -> None:
     result = lf.simulate(ratchet(), 0.006, lf.MasslessBoundary(step=2e-6), record=1e-5)

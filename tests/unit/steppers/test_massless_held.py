@@ -11,6 +11,7 @@ import pytest
 import lcpflex as lf
 from lcpflex.dynamics.held_modes import part_modes
 from lcpflex.dynamics.mass_matrix import null_space
+from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 
 STRIP = lf.Beam(0.5, 0.02, 0.004, 7850.0, 2.1e11)
@@ -27,7 +28,7 @@ def welded(modes: int = 6, gravity: float = 9.81) -> lf.Scene:
 
 @pytest.mark.parametrize("hinged", [False, True])
 def test_both_parts_have_the_compliance_of_all(hinged: bool) -> None:
-    """Whatever may act: at joints it is all in modes with mass, and static modes do not move there."""
+    """Whatever may act, the frame's own motion apart: static modes move it, and do not move joints."""
     scene = lf.Scene()
     body = scene.add(STRIP, name="strip", modes=5)
     left = body.point("left")
@@ -42,11 +43,16 @@ def test_both_parts_have_the_compliance_of_all(hinged: bool) -> None:
     model, static = parted.model, parted.flexibility[N_RIGID:] > 0.0
     assert static.any()
     assert not static[5:].all()
+    turn = parted.turn[0]
+    assert turn is not None
+    assert not turn[:N_RIGID, ~static].any()
     for p in np.flatnonzero(given.points.body == 0):
         own = slice(given.points.start[p], given.points.start[p + 1])
         before, after = (
             np.column_stack([m.points.phi[own], m.points.psi[own]]) for m in (given, model)
         )  # fmt: skip
+        x, y = given.points.place[p]
+        after -= turn[:N_RIGID].T @ np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-y, x, 1.0]])
         whole = before.T @ (before / given.bodies.stiffness[:, None])
         scale = np.sqrt(np.outer(np.diag(whole), np.diag(whole))) + 1e-30
         assert (np.abs(after.T @ (after / model.bodies.stiffness[:, None]) - whole) < 1e-9 * scale).all()
@@ -58,6 +64,56 @@ def test_both_parts_have_the_compliance_of_all(hinged: bool) -> None:
         assert np.abs(ways_of[static]).max() < 1e-9 * np.abs(ways_of).max()
     q = np.linspace(-1.0, 1.0, len(system.q))
     np.testing.assert_allclose(parted.former(parted.coordinates(q)), q, rtol=0, atol=1e-9)
+
+
+def struck_along_its_axis(angle: float) -> lf.Scene:
+    """A ball runs at the tip of a welded strip with one mode along its axis, which is not among the lowest."""
+    axis = np.array([math.cos(angle), math.sin(angle)])
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    body = scene.add(STRIP.reduce(14), name="strip", angle=angle)
+    scene.join(lf.Weld(body.point("left"), scene.ground.at(0.0, 0.0)))
+    ball = scene.add(lf.Disc(0.01, mass=0.1), name="ball", position=0.5101 * axis, velocity=-axis)
+    scene.contact(body.node(0.5, 0.0), ball.circle((0.0, 0.0), 0.01), name="strike")
+    return scene
+
+
+def along_at(model: Model, x: float) -> np.ndarray:
+    """Shapes of the modes along the axis of the strip, on it."""
+    p = next(p for p, place in enumerate(model.points.place) if model.points.body[p] == 0 and (place == (x, 0.0)).all())
+    return model.points.phi[model.points.start[p] : model.points.start[p + 1], 0]
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7])
+def test_contacts_along_an_axis_find_what_gives_way_there(angle: float) -> None:
+    """The weld stops the foot, and the tip is free to give way by all that it has."""
+    system = struck_along_its_axis(angle).compiled(gives_way=True).system()
+    given = system.model
+    flexibility = np.zeros(len(system.q))
+    flexibility[N_RIGID + 4 : N_RIGID + 14] = 1.0 / given.bodies.stiffness[4:]
+    parted = part_modes(given, flexibility, system.q)
+    static = parted.flexibility[N_RIGID : N_RIGID + 14]
+    whole = float(np.sum((along_at(given, 0.5) - along_at(given, 0.0)) ** 2 / given.bodies.stiffness))
+    assert float(static @ along_at(parted.model, 0.5) ** 2) == pytest.approx(whole, rel=1e-9)
+    assert float(static @ along_at(parted.model, 0.0) ** 2) < 1e-20 * whole
+    q = np.linspace(-1.0, 1.0, len(system.q))
+    np.testing.assert_allclose(parted.former(parted.coordinates(q)), q, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7])
+def test_a_strike_along_the_axis_is_that_of_a_spring(angle: float) -> None:
+    """No mass of the strip is in it: half a period of the ball on its static stiffness, and all of its speed back."""
+    scene = struck_along_its_axis(angle)
+    model = scene.compiled(gives_way=True).model
+    give = np.sum((along_at(model, 0.5) - along_at(model, 0.0)) ** 2 / model.bodies.stiffness)
+    half = math.pi * math.sqrt(0.1 * give)
+    result = lf.simulate(scene, 1e-4 + 2.0 * half, lf.MasslessBoundary(), record=half / 200.0)
+    touching = result.force[:, 0, 0] > 0.0
+    assert np.ptp(result.times[touching]) == pytest.approx(half, rel=0.02)
+    assert np.hypot(*result.velocity("ball", "center")[-1]) == pytest.approx(1.0, abs=2e-3)
+    assert result.energies.relative_remainder < 2e-3
+    apart = result.point("ball", "center") - result.point("strip", "right")  # of the states as they are stored
+    assert np.abs(np.hypot(*apart.T)[touching] - 0.01).max() < 1e-9
+    assert np.abs(result.point("strip", "left")).max() < 1e-9
 
 
 def test_bodies_that_nothing_holds_keep_their_modes() -> None:
