@@ -320,7 +320,7 @@ def _descend(problem: Problem, first: Solution, steps: list[Step], tolerance: fl
     if best.settled or best.status in KEPT:
         return replace(best, route=route, iterations=iterations)
     names = " > ".join(name.removesuffix(FAILED) for found in tried for name in found.route.split(" > "))
-    reasons = [f"{_words(first.status)}: nothing of {names} found a solution or proved that none is"]
+    reasons = [f"{first.status.words}: nothing of {names} found a solution or proved that none is"]
     reasons += [found.message for found in tried if ENDED in found.message]
     if any(NEARLY in found.message for found in tried):
         reasons.append(NEARLY)
@@ -351,10 +351,6 @@ def _best(first: Solution, found: Solution) -> Solution:
     if first.status in KEPT:
         return kept
     return replace(kept, status=told.status, message=told.message)
-
-
-def _words(status: Status) -> str:
-    return status.name.lower().replace("_", " ")
 
 
 def _check_alone(problem: Any) -> None:
@@ -402,7 +398,7 @@ def solve_lcp(
     check_guess(guess)
     solution = (Auto() if solver is None else solver).solve(problem, guess)  # type: ignore[arg-type]
     if not solution.solved:
-        status = _words(solution.status)
+        status = solution.status.words
         told = solution.message.startswith(status)  # most messages name it themselves
         raise SolverError(solution.message if told else f"{status}: {solution.message}", solution)
     return solution

@@ -56,6 +56,8 @@ NEARLY = (
     "nearly infeasible: a vector u fulfils M^T u <= 0 and q.u < 0 to rounding, but none is known that does so exactly"
 )
 
+NEAR = (Status.INACCURATE, Status.RIGHT_TO_TERMS)  # what a point is, whatever ended the algorithm
+FAILURES = (Status.RAY, Status.ITERATION_LIMIT, Status.NUMERICAL_FAILURE, Status.TIME_LIMIT)  # what ends one
 ROUNDED = "numerical failure: {} has no solution, but its rounding may be the reason"
 
 
@@ -315,7 +317,7 @@ def accept(
     ``certificate`` u (n,) of an :class:`Lcp` is, or leads to, one that holds in exact arithmetic. Raises ModelError for
     arguments of other kinds.
 
-    iterations, route, message, active: as the :class:`Solution` keeps them.
+    iterations, route, message, active: as the :class:`Solution` keeps them, which also keeps the status as ``ended``.
     """
     check_claim(problem, tolerance, iterations, status, route, message, proof)
     point = as_array("z", z, 1)
@@ -336,9 +338,12 @@ def accept(
             judged, message = Status.RIGHT_TO_TERMS, where
         if not message or judged in PROVED:
             grounds = _grounds(judged, residual, tolerance) + (f"; {NEARLY}" if near and judged not in PROVED else "")
-            message = f"{judged.name.lower().replace('_', ' ')}: {grounds}"
+            message = f"{judged.words}: {grounds}"
     u, vector = (None, ()) if proof is None or judged not in PROVED else (proof.certificate, proof.vector)
-    return Solution(point, w, judged, residual, iterations, route, message, active, u, None, solutions, vector, strict)
+    ended = status if judged in NEAR and status in FAILURES else None
+    return Solution(
+        point, w, judged, residual, iterations, route, message, active, u, None, solutions, vector, strict, ended
+    )
 
 
 def _right_to_terms(problem: Problem, point: FloatArray, residual: float, tolerance: float) -> str:
@@ -359,7 +364,8 @@ def retold(problem: Problem, z: FloatArray, found: Solution, tolerance: float, *
 
     changed: arguments of :func:`accept` that are not those of ``found``.
     """
-    kept = {name: getattr(found, name) for name in ("status", "iterations", "route", "message", "active", "solutions")}
+    kept = {name: getattr(found, name) for name in ("iterations", "route", "message", "active", "solutions")}
+    kept["status"] = found.status if found.ended is None else found.ended
     return accept(problem, z, tolerance=tolerance, **(kept | changed))
 
 

@@ -42,7 +42,8 @@ class Solution:
     None; proof: the same in integers of these proportions, with which M^T u <= 0 and q.u < 0 hold exactly. keys: name
     of each unknown, for guesses between problems with different contacts. solutions: all that are known, if several.
 
-    status: solved, or why not. message: the same in words, where there is more to say.
+    status: solved, or why not. message: the same in words, where there is more to say. ended: why the algorithm ended,
+    where the status tells how near its point is instead (INACCURATE, RIGHT_TO_TERMS), else None.
     """
 
     z: FloatArray
@@ -58,6 +59,7 @@ class Solution:
     solutions: tuple[FloatArray, ...] = ()
     proof: tuple[int, ...] = ()
     strict: float = math.nan
+    ended: Status | None = None
 
     @property
     def solved(self) -> bool:

@@ -12,6 +12,11 @@ SOLVED, RAY, ITERATION_LIMIT, NUMERICAL_FAILURE = 0, 1, 2, 3  # as plain integer
 class Status(enum.IntEnum):
     """What is known about the point a solver returns."""
 
+    @property
+    def words(self) -> str:
+        """The same in lower case, for messages."""
+        return self.name.lower().replace("_", " ")
+
     SOLVED = 0
     """The residual, computed anew from the original M and q, is within the tolerance."""
     RAY = 1

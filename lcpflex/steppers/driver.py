@@ -74,20 +74,21 @@ def dense_limit(solver: LcpSolver) -> int:
     return DENSE if type(solver) is Auto else NO_LIMIT
 
 
-def solver_hooks(solver: LcpSolver, watch: Watch | None = None, in_space: bool = False) -> Hooks:
-    """Replacement of the kernel ``solve_contacts`` by ``solver``, and by one that tells ``watch`` of each problem.
+def solver_hooks(rescue: Rescue, watch: Watch | None = None, in_space: bool = False) -> Hooks:
+    """Replacement of the kernel ``solve_contacts`` by the solver of a run, and by one that tells ``watch`` of problems.
 
     None for solvers that are compiled in, as long as nobody watches. In space the kernel is ``solve_cones``.
     """
     kernel: Any = solve_contacts
+    solver = rescue.solver
     if in_space:
         from lcpflex.solvers.contact.cones.dense import solve_cones
 
         kernel = solve_cones
     compiled_in = type(solver) is Auto if in_space else type(solver) in METHODS  # not a class derived from one
     if watch is None:
-        return {} if compiled_in else {kernel: PythonSolve(solver)}
-    watched = Watched(kernel if compiled_in else PythonSolve(solver), watch)
+        return {} if compiled_in else {kernel: PythonSolve(solver, rescue.note)}
+    watched = Watched(kernel if compiled_in else PythonSolve(solver, rescue.note), watch)
     return {kernel: watched, tell_island: watched.tell}
 
 
@@ -118,10 +119,13 @@ class Watched:
 
 
 class PythonSolve:
-    """A solver behind the interface of the kernel; one of the library gets contacts, and its last answer as guess."""
+    """A solver behind the interface of the kernel; one of the library gets contacts, and its last answer as guess.
 
-    def __init__(self, solver: LcpSolver) -> None:
-        self._solver = as_solver(solver)
+    note: is told of each answer that does not solve its problem.
+    """
+
+    def __init__(self, solver: LcpSolver, note: Callable[[Solution], None]) -> None:
+        self._solver, self._note = as_solver(solver), note
         self._tolerance = float(getattr(self._solver, "tolerance", TARGET))
         self._with_contacts = not isinstance(self._solver, UserSolver) or self._solver.takes == "problem"
         self._last: Solution | None = None
@@ -139,6 +143,7 @@ class PythonSolve:
         # SOLVED asks each contact for its own load; a run goes on with what is right as a whole, as its kernels do
         whole = guarded_residual(*measured(data, memory, solution.z)[0])
         if not whole <= self._tolerance:
+            self._note(solution)
             return int(solution.status)
         memory.residual = whole
         return 0
@@ -155,6 +160,7 @@ class Rescue:
         self._at = -1.0  # [s] time of the last problem
         self._times: Counter[int] = Counter()  # how often one of each island came then
         self._wedged = Wedged()
+        self._failed: Solution | None = None
 
     @property
     def solver(self) -> LcpSolver:
@@ -162,12 +168,16 @@ class Rescue:
         solver: LcpSolver = self._solver
         return solver
 
+    def note(self, solution: Solution) -> None:
+        """Keep an answer of a solver in Python that solved nothing, for the words on it."""
+        self._failed = solution
+
     def unsolved(self, work: Workspace, status: int, tolerance: float) -> str:
         """Why the contact problem in ``work`` does not count as solved, with what a solver of the user's says of it.
 
         Raises SolverError from what that solver raised.
         """
-        words = _unsolved(work.solver, status, tolerance)
+        words = _unsolved(work.solver, status, tolerance, self._failed)
         own = own_part(self._solver)
         if own is None or own.last is None or not own.last.error:
             return words
@@ -217,10 +227,13 @@ class Rescue:
         return self._wedged.remarks(name)
 
 
-def _unsolved(memory: SolverMemory, status: int, tolerance: float) -> str:
-    """Why the contact problem does not count as solved."""
+def _unsolved(memory: SolverMemory, status: int, tolerance: float, failed: Solution | None) -> str:
+    """Why the contact problem does not count as solved; failed: the answer, if a solver in Python gave it."""
     found = Status(status) if status else Status.INACCURATE
+    why = found.words
+    if failed is not None and failed.status is found and failed.ended is not None:
+        why += f" (ended by {failed.ended.words})"
     return (
-        f"the contact problem of size {memory.size} was not solved: {found.name.lower().replace('_', ' ')}, "
+        f"the contact problem of size {memory.size} was not solved: {why}, "
         f"natural-map residual {memory.residual:.3g} (tolerance {tolerance:g})"
     )

@@ -105,7 +105,7 @@ class TimeStepping:
         self.records.missed_friction = self.work.compliant.missed
         self._rescue = Rescue(solver, scheme.tolerance)
         self._several = SeveralMotions()
-        self.solving = solver_hooks(self._rescue.solver, system.watch, is_spatial(system.model))
+        self.solving = solver_hooks(self._rescue, system.watch, is_spatial(system.model))
 
     def link(self, loop: Callable[..., int]) -> Callable[..., int]:
         """``loop`` with the functions of the system and the solver in place."""

@@ -179,4 +179,4 @@ def _words(
         return ""
     contacts, part = parts[worst], found[worst]
     name = f"that of contact {shown(keys[contacts[0]])} ({len(contacts)} contacts, {part.message[:200]})"
-    return f"{part.status.name.lower().replace('_', ' ')}: {len(unsolved)} of {len(parts)} parts not solved; {name}"
+    return f"{part.status.words}: {len(unsolved)} of {len(parts)} parts not solved; {name}"

@@ -81,7 +81,7 @@ def test_mass_ratios(ratio: float, loud: Any) -> None:
         gallery.stack(boxes=5, top_mass=ratio), 0.1, lf.MoreauJean(step=STEP, solver=GaussSeidel(sweep_limit=20))
     )
     assert "StepError" in said
-    assert "iteration" in said or "right to terms" in said  # of the terms that cancel, 1e-16 ratio is rounding
+    assert "iteration" in said
     stepper = lf.MoreauJean(step=STEP, gap_tolerance=1e-9)
     result = lf.simulate(gallery.stack(boxes=5, top_mass=ratio), 1.0, stepper)
     assert np.abs(result.q[-1] - result.q[0]).max() < 1e-8  # a hundredth of a micrometre in 1000 steps

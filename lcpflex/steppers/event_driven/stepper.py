@@ -104,7 +104,7 @@ class EventDrivenSteps:
         self.clock.gentlest = math.inf
         begin_laws(system, self._work)
         self.records.indentation = self._work.compliant.history.worst
-        self._solving = solver_hooks(self._rescue.solver, system.watch, is_spatial(system.model))
+        self._solving = solver_hooks(self._rescue, system.watch, is_spatial(system.model))
         self._advance = link(advance, {**system.hooks, **self._solving})
 
     @property

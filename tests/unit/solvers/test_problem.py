@@ -9,6 +9,7 @@ import pytest
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Lcp, Status, accept
 from lcpflex.solvers.certificate import natural_residual
+from lcpflex.solvers.problem import retold
 
 TOLERANCE = 1e-10
 
@@ -87,6 +88,15 @@ class TestAccept:
         assert accept(self.problem, [0.0, 0.0], tolerance=TOLERANCE, status=Status.RAY).status is Status.RAY
         assert accept(self.problem, self.exact + 3e-9, tolerance=TOLERANCE).status is Status.INACCURATE
         assert accept(self.problem, [np.nan, 0.0], tolerance=TOLERANCE).status is Status.NUMERICAL_FAILURE
+
+    def test_why_the_algorithm_ended_stays_beside_how_near_its_point_is(self):
+        near = accept(self.problem, self.exact + 3e-9, tolerance=TOLERANCE, status=Status.ITERATION_LIMIT)
+        assert (near.status, near.ended) == (Status.INACCURATE, Status.ITERATION_LIMIT)
+        again = retold(self.problem, near.z, near, TOLERANCE)
+        assert (again.status, again.ended) == (Status.INACCURATE, Status.ITERATION_LIMIT)
+        far = retold(self.problem, [0.0, 0.0], near, TOLERANCE)
+        assert (far.status, far.ended) == (Status.ITERATION_LIMIT, None)
+        assert retold(self.problem, self.exact, near, TOLERANCE).ended is None
 
     def test_infeasible_needs_a_certificate_that_holds(self):
         squeezed = Lcp([[1.0, -1.0], [-1.0, 1.0]], [-1.0, -1.0])
