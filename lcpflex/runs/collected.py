@@ -9,6 +9,7 @@ import numpy as np
 
 from lcpflex.checks.axial_loads import with_axial_loads
 from lcpflex.checks.damping_in_time import ringing_dampers
+from lcpflex.checks.grown import gone_too_far
 from lcpflex.checks.kept_depth import kept_depths
 from lcpflex.checks.loads_in_time import with_unseen_loads
 from lcpflex.checks.rebound import rebounds
@@ -107,6 +108,11 @@ def check_result(result: Result, setup: Setup, run: Run) -> Result:
     result = with_axial_loads(_with_shared_bodies(result, step))
     if (calls := setup.system.calls) is not None:
         result = replace(result, python_calls=calls.number, python_time=calls.time)
+    if rows := gone_too_far(result, setup.system.model):
+        from lcpflex.checks.jumped_gaps import sunk_by_jumps  # which other runs do without
+
+        sunk = sunk_by_jumps(result, rows, setup.system, setup.source)
+        result = replace(result, found_wrong=(*result.found_wrong, *sunk))
     if step:
         result = with_unseen_loads(result, step, setup.source)
         result = replace(result, warnings=(*result.warnings, *ringing_dampers(result, step, setup.stepper)))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from lcpflex.dynamics.time_structure import for_system, with_instants
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.layout import is_spatial
 from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.problem_log import ProblemLog, RecordProblems
@@ -38,6 +39,8 @@ class Run(Protocol):
     def finished(self) -> bool: ...
     @property
     def touching(self) -> list[int]: ...
+    @property
+    def motion(self) -> tuple[FloatArray, FloatArray]: ...
     @property
     def events(self) -> list[tuple[float, str, int, float]]: ...
     def advance(self, n_steps: int) -> str:

@@ -213,11 +213,14 @@ def carry_out(
         result = _save_problems(problem_log, result)
     if message and (fails or not limits.late):
         from lcpflex.checks.blocked_drives import blocked_drives  # which runs that end well do without
+        from lcpflex.checks.jumped_gaps import jumped_gap
 
         touching = tuple(setup.contact_name(k) for k in run.touching)
+        # a gap that jumps is what lets a drive run into a contact
+        root = jumped_gap(result, run, setup.system, setup.source) or blocked_drives(result, run.touching)
+        words = f"{message}{wound_spring(result)}{root}"
         raise StepError(
-            f"at t = {run.time:.9g} s, after {run.steps} steps, {_closed(touching)}: {message}{wound_spring(result)}"
-            f"{blocked_drives(result, run.touching)}",
+            f"at t = {run.time:.9g} s, after {run.steps} steps, {_closed(touching)}: {words}",
             time=run.time,
             step=run.steps,
             contacts=touching,

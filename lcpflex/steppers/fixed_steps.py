@@ -103,6 +103,11 @@ class FixedSteps:
         """Declared contacts that the last contact problem held."""
         return self.stepping.touching
 
+    @property
+    def motion(self) -> tuple[Any, Any]:
+        """Configuration and velocity from which the step that is due begins."""
+        return self.stepping.scheme.q, self.stepping.scheme.u
+
     def loop(self, target: int) -> int:
         """Steps until there are ``target`` of them, or all; what the loop returned."""
         clock, whole = self.clock, self._whole

@@ -28,6 +28,10 @@ class Method(Protocol):
     def touching(self) -> Any:
         """Declared contacts of the last contact problem or evaluation, each at least once."""
 
+    @property
+    def motion(self) -> tuple[Any, Any]:
+        """Configuration and velocity from which the step that is due begins."""
+
     def loop(self, target: int) -> int:
         """Steps until there are ``target`` of them or the duration is reached, or for a while; a status."""
 
@@ -78,6 +82,12 @@ class Run:
     def touching(self) -> list[int]:
         """Declared contacts that the last contact problem held, or that touched at the last evaluation."""
         return sorted(set(self.method.touching.tolist()))
+
+    @property
+    def motion(self) -> tuple[Any, Any]:
+        """Configuration and velocity from which the step that is due begins."""
+        q, u = self.method.motion
+        return q.copy(), u.copy()
 
     @property
     def events(self) -> list[Event]:

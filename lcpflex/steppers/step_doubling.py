@@ -206,6 +206,12 @@ class StepDoubling:
         """Declared contacts that the last contact problem held."""
         return self.stepping.touching
 
+    @property
+    def motion(self) -> tuple[Any, Any]:
+        """Configuration and velocity from which the step that is due begins."""
+        begins = self.stepping.scheme if self.clock.part == FRESH else self._kept
+        return begins.q, begins.u
+
     def loop(self, target: int) -> int:
         """Steps until there are ``target`` of them or the duration is reached; what the loop returned."""
         stepping = self.stepping

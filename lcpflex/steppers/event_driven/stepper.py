@@ -128,6 +128,12 @@ class EventDrivenSteps:
         self.clock.n_events = 0
         return self._events
 
+    @property
+    def motion(self) -> tuple[Any, Any]:
+        """Configuration and velocity from which the step that is due begins."""
+        nq, y = len(self.system.q), self.clock.y
+        return y[:nq], y[nq : nq + len(self.system.u)]
+
     def loop(self, target: int) -> int:
         """Steps until there are ``target`` of them or the duration is reached; what the loop returned."""
         status: int = self._advance(

@@ -107,6 +107,12 @@ class SmoothSteps:
         contacts = self.work.compliant
         return contacts.table.law[: contacts.n_contacts]
 
+    @property
+    def motion(self) -> tuple[Any, Any]:
+        """Configuration and velocity from which the step that is due begins."""
+        nq, y = len(self.system.q), self.clock.y
+        return y[:nq], y[nq : nq + len(self.system.u)]
+
     def loop(self, target: int) -> int:
         """Steps until there are ``target`` of them or the duration is reached; what the loop returned."""
         if self._implicit is not None:
