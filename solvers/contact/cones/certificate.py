@@ -66,6 +66,36 @@ def natural_miss(
 
 
 @kernel
+def contact_parts(
+    forces: FloatArray,
+    velocity: FloatArray,
+    terms: FloatArray,
+    free: FloatArray,
+    friction: FloatArray,
+    units: FloatArray,
+    k: int,
+) -> tuple[float, float, float]:
+    """What contact k leaves of the natural map, the size of the terms of its velocities, and that of the free ones.
+
+    In its unit; all inf if anything is not finite. Arrays as in :func:`cone_parts`.
+    """
+    i, unit = 3 * k, units[k]
+    miss = natural_miss(
+        forces[i], forces[i + 1], forces[i + 2], velocity[i], velocity[i + 1], velocity[i + 2], friction[k], unit
+    )
+    size, load, finite = 0.0, 0.0, True
+    for j in range(i, i + 3):
+        load = max(load, unit * abs(free[j]))
+        size = max(size, unit * terms[j])
+        # NaN fails every comparison, and max() may drop it: each number is asked for by itself.
+        if not (unit * terms[j] < np.inf and abs(velocity[j]) < np.inf and miss < np.inf):
+            finite = False
+    if not finite:
+        return np.inf, np.inf, np.inf
+    return miss, size, load
+
+
+@kernel
 def cone_parts(
     forces: FloatArray,
     velocity: FloatArray,
@@ -75,27 +105,15 @@ def cone_parts(
     units: FloatArray,
     n: int,
 ) -> tuple[float, float, float]:
-    """What is left of the natural map, the size of the terms of the velocities, and that of the free ones.
+    """The largest over n contacts of each of :func:`contact_parts`; all inf if anything is not finite.
 
-    The largest of each over n contacts, in their units; all inf if anything is not finite. forces, velocity, terms,
-    free (3 n,): rows (n, t1, t2) of each contact in turn, terms = sum |W_ij r_j| + |free_i|; friction, units (n,).
+    forces, velocity, terms, free (3 n,): rows (n, t1, t2) of each contact in turn, terms = sum |W_ij r_j| + |free_i|;
+    friction, units (n,).
     """
     worst, size, load = 0.0, 0.0, 0.0
-    finite = True
     for k in range(n):
-        i, unit = 3 * k, units[k]
-        miss = natural_miss(
-            forces[i], forces[i + 1], forces[i + 2], velocity[i], velocity[i + 1], velocity[i + 2], friction[k], unit
-        )
-        worst = max(worst, miss)
-        for j in range(i, i + 3):
-            load = max(load, unit * abs(free[j]))
-            size = max(size, unit * terms[j])
-            # NaN fails every comparison, and max() may drop it: each number is asked for by itself.
-            if not (unit * terms[j] < np.inf and abs(velocity[j]) < np.inf and miss < np.inf):
-                finite = False
-    if not finite:
-        return np.inf, np.inf, np.inf
+        own = contact_parts(forces, velocity, terms, free, friction, units, k)
+        worst, size, load = max(worst, own[0]), max(size, own[1]), max(load, own[2])
     return worst, size, load
 
 
@@ -119,17 +137,9 @@ def cone_sizes(
         largest = max(largest, units[i // 3] * abs(free[i]))
     told, finite = (0.0, 0.0, 0.0), True
     for k in range(n):
-        i, unit = 3 * k, units[k]
-        miss = natural_miss(
-            forces[i], forces[i + 1], forces[i + 2], velocity[i], velocity[i + 1], velocity[i + 2], friction[k], unit
-        )
-        size, load = 0.0, 0.0
-        for j in range(i, i + 3):
-            load = max(load, unit * abs(free[j]))
-            size = max(size, unit * terms[j])
-            # NaN fails every comparison, and max() may drop it: each number is asked for by itself.
-            if not (unit * terms[j] < np.inf and abs(velocity[j]) < np.inf and miss < np.inf):
-                finite = False
+        miss, size, load = contact_parts(forces, velocity, terms, free, friction, units, k)
+        if not miss < np.inf:
+            finite = False
         own = measured(miss, size, load, largest)
         if len(missed) > 0:
             missed[k] = own[1]
