@@ -22,7 +22,8 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.dispatch import Hooks, Kernel, link
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Model
-from lcpflex.steppers import runge_kutta
+from lcpflex.steppers import runge_kutta, unmet
+from lcpflex.steppers.backup import Backup
 from lcpflex.steppers.moreau_jean import step
 from lcpflex.steppers.recorder import Recorder
 from lcpflex.steppers.smooth import explicit
@@ -97,7 +98,25 @@ def _moving_hooks(system: Mechanics, known: Hooks) -> Hooks:
             before = after
         return True
 
-    return {mechanics.forces: forces_noted, step.turn_on: turn_on, runge_kutta.add_errors: _add_errors(system)}
+    return {mechanics.forces: forces_noted, step.turn_on: turn_on, **_way_hooks(system)}
+
+
+def _way_hooks(system: Mechanics) -> Hooks:
+    """Replacements for what follows configurations through a step: their numbers are neither velocities nor bodies."""
+    return {runge_kutta.add_errors: _add_errors(system), unmet.on_way: _on_way(system)}
+
+
+def _on_way(system: Mechanics) -> Kernel:
+    """What goes along a step by the cubic that has the configurations and their rates at both ends."""
+    moves = system.kinematics
+
+    def on_way(model: Model, q: FloatArray, u: FloatArray, h: float, share: float, kept: Backup) -> None:
+        left = 1.0 - share
+        way = share * share * (3.0 - 2.0 * share) * (q - kept.q)
+        bent = h * share * left * (left * moves.rate(kept.q, kept.u) - share * moves.rate(q, u))
+        kept.at[:] = moves.normalised(kept.q + way + bent)
+
+    return on_way
 
 
 def _add_errors(system: Mechanics) -> Kernel:
@@ -118,4 +137,4 @@ def _without_bodies(system: Mechanics) -> Hooks:
     def turn_on(model: Model, passes: int, h: float, u: FloatArray, work: Workspace) -> bool:
         return True
 
-    return {step.turn_on: turn_on, runge_kutta.add_errors: _add_errors(system)}
+    return {step.turn_on: turn_on, **_way_hooks(system)}

@@ -97,15 +97,10 @@ def test_where_a_step_fails(stepper: Any) -> None:
     assert "..." not in text
 
 
+@pytest.mark.parametrize("dimensions", [2, 3])
 @pytest.mark.parametrize("stepper", STEPPERS)
-def test_where_a_function_of_the_user_jumps(stepper: Any) -> None:
-    text = failure(driven(0.05, 2), 0.2, stepper)
-    assert "The gap of contact 'outline' jumps from 0.009 m to -0.041 m at t = 0.1" in text
-
-
-@pytest.mark.parametrize("stepper", STEPPERS[:3])
-def test_where_it_jumps_in_space(stepper: Any) -> None:
-    text = failure(driven(0.05, 3), 0.2, stepper)
+def test_where_a_function_of_the_user_jumps(stepper: Any, dimensions: int) -> None:
+    text = failure(driven(0.05, dimensions), 0.2, stepper)
     assert "The gap of contact 'outline' jumps from 0.009 m to -0.041 m at t = 0.1" in text
 
 

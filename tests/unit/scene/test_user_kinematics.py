@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import lcpflex as lf
+from lcpflex.dynamics.user_mechanics import hooks
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.steppers import unmet
+from lcpflex.steppers.user_hooks import hooks_of_steps
 from tests.rates import assert_rate
 from tests.spatial_flight import OMEGA, VELOCITY, J, apart, dzhanibekov, exact_flight, lengths
 
@@ -122,6 +126,27 @@ def test_joints_and_impacts_are_those_of_the_system_by_angles(stepper: Any, tole
     np.testing.assert_allclose(results[1].impulse[-1], results[0].impulse[-1], rtol=100.0 * tolerance)
     assert results[1].joint_drift.max() < 1e-3
     np.testing.assert_allclose(np.hypot(*results[1].q[:, 2:].T), 1.0, atol=1e-14)
+
+
+def test_error_control_follows_the_numbers_of_a_configuration() -> None:
+    """Pairs that close within a step are looked for along it: there are more numbers than velocities."""
+    functions = hinged_rod(by_angle=False)._functions
+    on_way: Any = hooks_of_steps(functions, hooks(functions))[unmet.on_way]
+    h, u, end = 0.1, np.array([0.0, 0.2, 0.5]), np.array([0.1, 0.3, 0.7])
+    q = np.array([0.0, 0.0, 1.0, 0.0])
+    last = functions.kinematics.moved(q, 0.5 * (u + end), h)
+    kept = SimpleNamespace(q=q, u=u, at=np.zeros(4))
+
+    def at(share: float) -> Any:
+        on_way(None, last, end, h, share, kept)
+        return kept.at.copy()
+
+    np.testing.assert_allclose(at(0.0), q, atol=1e-15)
+    np.testing.assert_allclose(at(1.0), last, atol=1e-15)
+    near = 1e-6
+    np.testing.assert_allclose((at(near) - q) / (near * h), functions.kinematics.rate(q, u), atol=1e-5)
+    np.testing.assert_allclose((last - at(1.0 - near)) / (near * h), functions.kinematics.rate(last, end), atol=1e-5)
+    assert np.hypot(*at(0.5)[2:]) == pytest.approx(1.0, abs=1e-15)
 
 
 @pytest.mark.parametrize(

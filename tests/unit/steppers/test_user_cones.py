@@ -178,3 +178,22 @@ def test_events_along_a_line_are_those_of_one_direction() -> None:
     impacts = [[event.time for event in result.events if event.kind == "impact"] for result in (one, two)]
     assert len(impacts[0]) > 3
     np.testing.assert_allclose(impacts[0][:4], impacts[1][:4], atol=1e-9)
+
+
+@pytest.mark.parametrize("scheme", [lf.MoreauJean, lf.GeneralizedAlpha])
+def test_error_control_takes_a_point_in_space_for_what_it_is(scheme: Any) -> None:
+    """It has no bodies whose angles could be followed along a step; it moves as the same point does in the plane."""
+
+    def falling(dimensions: int) -> lf.UserSystem:
+        unit = np.eye(dimensions)
+        across = unit[:, None, :-1] if dimensions > 2 else unit[:, :1]
+        return lf.UserSystem(
+            q=0.01 * unit[-1], u=unit[0], mass=unit, force=lambda t, q, u: -9.81 * unit[-1], gaps=lambda q: q[-1:],
+            normals=unit[:, -1:], tangents=across, friction=0.3,
+        )  # fmt: skip
+
+    stepper = scheme(1e-3, adaptive=lf.AdaptiveStep(rtol=1e-5))
+    space, plane = (lf.simulate(falling(dimensions), 0.1, stepper, record=0.01) for dimensions in (3, 2))
+    np.testing.assert_allclose(space.q[:, [0, 2]], plane.q, atol=1e-6)
+    assert space.impulse[-1, 0, 0] > 0.4
+    assert not space.q[:, 1].any()
