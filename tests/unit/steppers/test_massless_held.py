@@ -264,9 +264,12 @@ def struck_where_held(by: str) -> lf.Scene:
 
 @pytest.mark.parametrize("by", ["1e3", "1e4", "3e4", "box", "weld"])
 def test_contacts_where_something_holds_the_body_keep_the_energy(by: str) -> None:
-    """Nothing else gives way there, and what has mass strikes: without compliance, energy grew a hundredfold."""
+    """Nothing else gives way there, and what has mass strikes: without compliance, energy grew a hundredfold.
+
+    A spring of 100 N throws the tip at the stop again and again: with steps three times as long as these, up to 2 %.
+    """
     scene = dropped_beside_the_weld() if by == "weld" else struck_where_held(by)
-    result = lf.simulate(scene, 0.02, lf.MasslessBoundary(), record=1e-5)
+    result = lf.simulate(scene, 0.02, lf.MasslessBoundary(safety=0.1), record=1e-5)
     history = result.contact("strike")
     assert history.impulse[-1, 0] > 0.0
     assert result.energies.relative_remainder < 0.01
