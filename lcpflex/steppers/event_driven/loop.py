@@ -26,8 +26,9 @@ from lcpflex.steppers.event_driven.memory import (
     EventSettings,
     within,
 )
-from lcpflex.steppers.event_driven.segment import search, slope, step, watch
+from lcpflex.steppers.event_driven.segment import search, step, watch
 from lcpflex.steppers.event_driven.sets import choose, fall_back, gather, note_changes
+from lcpflex.steppers.event_driven.slope import slope
 from lcpflex.steppers.rates import Rates, ask_all, ask_at, next_instant, stored_at
 from lcpflex.steppers.recorder import (
     Recorder,

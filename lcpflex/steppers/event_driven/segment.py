@@ -9,10 +9,8 @@ import math
 
 from lcpflex.contact.narrow_phase.feature import foot_margin, node_margin
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
-from lcpflex.dynamics.acceleration import STICKING, ContactSets, assemble, fixed_forces, sliding_sign
-from lcpflex.dynamics.compliant_contacts import CompliantContacts
+from lcpflex.dynamics.acceleration import STICKING, sliding_sign
 from lcpflex.dynamics.contact_forces import (
-    add_impulses,
     compression,
     fill_rows,
     find_contacts,
@@ -26,7 +24,6 @@ from lcpflex.dynamics.mechanics import solve_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.leaf import in_space
-from lcpflex.kinematics.configuration import rate
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.event_driven.gaps import CROSSED, NARROW, first_closing, first_dip
 from lcpflex.steppers.event_driven.memory import (
@@ -40,10 +37,11 @@ from lcpflex.steppers.event_driven.memory import (
     within,
 )
 from lcpflex.steppers.event_driven.root import asked, found, start, tell
+from lcpflex.steppers.event_driven.slope import slope
 from lcpflex.steppers.runge_kutta import STAGES, C, copy_state, error_norm, stage_state, step_factor
 from lcpflex.steppers.short_steps import ALL_OF_IT, onset_share, travel_time
 
-__all__ = ["FORCE_TOLERANCE", "measure", "search", "slope", "step", "watch"]
+__all__ = ["FORCE_TOLERANCE", "measure", "search", "step", "watch"]
 
 NOTHING = -1
 SAMPLES = 4
@@ -52,70 +50,11 @@ LEAST_SHARE = 1e-6  # of a step: what is not understood in so short a time is to
 REPEATS = 3  # of a step, to end where it begins
 
 
-@kernel
-def add_compliant(contacts: CompliantContacts, u: FloatArray, base: int, out: FloatArray) -> None:
-    """Losses and impulses of compliant contacts; what their damping takes is also among that of all damping."""
-    for k in range(contacts.n_contacts):
-        out[len(out) - 1] -= (contacts.p[k, 0] - contacts.elastic[k]) * contacts.rate[k]
-    for i in range(len(contacts.friction)):
-        power = contacts.friction[i] * u[i]
-        out[base] -= power
-        out[base + 1] += power
-    add_impulses(contacts, base + 3, out)
-
-
-@in_space("lcpflex.dynamics.spatial.acceleration")
-@kernel
-def find_slips(work: Workspace, sets: ContactSets, u: FloatArray) -> None:
-    """Directions of slip of the contacts that slide: in the plane the sets tell them."""
-
-
 @in_space("lcpflex.steppers.spatial.sliding")
 @kernel
 def turning_time(work: Workspace, memory: EventMemory, u: FloatArray) -> float:
     """The longest step [s] in which no slip turns unseen: in the plane it changes its sign where it does."""
     return math.inf
-
-
-@kernel
-def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventMemory, out: FloatArray) -> None:
-    """out = dy/dt with the sets as they are; constraint forces are left in ``work.p``."""
-    nq, ndof = memory.nq, len(memory.u)
-    base = nq + ndof
-    q = y[:nq]
-    u = y[nq:base]
-    n = memory.n_contacts
-    assemble(model, t, q, u, n, work, memory.sets)
-    find_slips(work, memory.sets, u)
-    fixed_forces(work, memory.sets)
-    for i in range(base, len(out)):
-        out[i] = 0.0
-    rate(model, q, u, out)
-    for i in range(ndof):
-        out[nq + i] = work.free_u[i]
-        out[base + 1] -= work.dissipative[i] * u[i]
-        out[base + 2] += work.driving[i] * u[i]
-    n_joint = work.n_joint
-    for r in range(n_joint):
-        if work.rate[r] != 0.0:
-            out[base + 2] += work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
-    add_compliant(work.compliant, u, base, out)
-    add_rates(work, memory, u, base, out)
-
-
-@in_space("lcpflex.steppers.spatial.sliding")
-@kernel
-def add_rates(work: Workspace, memory: EventMemory, u: FloatArray, base: int, out: FloatArray) -> None:
-    """Rates of what contact forces do and sum up to, after ``fixed_forces``."""
-    n_joint, n = work.n_joint, work.n_contacts
-    for k in range(n):
-        law = base + 3 + 2 * work.table.law[k]
-        out[law] += work.p[n_joint + k]
-        tangent = memory.sets.tangent_of[k]
-        if tangent >= 0:
-            r = n_joint + n + tangent
-            out[law + 1] += work.p[r]
-            out[base] -= work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
 
 
 @in_space("lcpflex.steppers.spatial.sliding")
