@@ -44,7 +44,6 @@ __all__ = [
     "pair_place",
     "pair_stiffness",
     "parting_time",
-    "slip_along",
     "states_of_friction",
     "tangential_force",
 ]
@@ -198,13 +197,6 @@ def find_friction(
 def tangential_force(contacts: CompliantContacts, j: int) -> float:
     """Friction along tangential row j [N]."""
     return contacts.p[contacts.tangent[j], 1]
-
-
-@in_space("lcpflex.dynamics.spatial.contact_forces")
-@kernel
-def slip_along(contacts: CompliantContacts, j: int) -> float:
-    """Slip velocity along tangential row j [m/s], after ``friction_forces``."""
-    return contacts.slip[contacts.tangent[j]]
 
 
 @in_space("lcpflex.dynamics.spatial.contact_forces")

@@ -23,7 +23,6 @@ __all__ = [
     "add_impulses",
     "fill_rows",
     "find_friction",
-    "slip_along",
     "states_of_friction",
     "tangential_force",
     "tangential_vector",
@@ -70,12 +69,6 @@ def states_of_friction(model: Any) -> int:
 def tangential_force(contacts: SpatialWork, j: int) -> float:
     """Friction along tangential row j [N]."""
     return contacts.p[contacts.tangent[j], 1 + j % 2]
-
-
-@kernel
-def slip_along(contacts: SpatialWork, j: int) -> float:
-    """Slip velocity along tangential row j [m/s]."""
-    return contacts.slip[j]
 
 
 @kernel

@@ -31,8 +31,9 @@ from lcpflex.steppers.runge_kutta import (
     step_factor,
 )
 from lcpflex.steppers.short_steps import ALL_OF_IT, onset_share
-from lcpflex.steppers.smooth.memory import WORK, SmoothMemory
+from lcpflex.steppers.smooth.memory import IMPULSES, SmoothMemory
 from lcpflex.steppers.smooth.slope import (
+    add_powers,
     horizon,
     natural_frequency,
     record,
@@ -321,8 +322,13 @@ def step_fixed(model: Model, settings: SmoothSettings, work: Workspace, memory: 
         memory.end[i] += h * memory.slope[i]
     kick_again(model, h, work, memory)
     advance_by(model, memory.end[:nq], memory.end[nq:base], 0.5 * h, memory.end)
-    for i in range(base - nq):  # a load does its work at the mean velocity: one step may hold all of it
-        memory.end[base + WORK] += 0.5 * h * work.driving[i] * (memory.end[nq + i] - memory.y[nq + i])
+    for i in range(nq, base):
+        memory.at[i] = 0.5 * (memory.y[i] + memory.end[i])
+    for i in range(base, base + IMPULSES):  # forces do their work at the mean velocity: one step may hold all of it
+        memory.slope[i] = 0.0
+    add_powers(work, memory.at[nq:base], base, memory.slope)
+    for i in range(base, base + IMPULSES):
+        memory.end[i] = memory.y[i] + h * memory.slope[i]
     memory.step_taken = h
     return RunStatus.DONE
 

@@ -27,7 +27,6 @@ from lcpflex.dynamics.contact_forces import (
     pair_place,
     pair_stiffness,
     parting_time,
-    slip_along,
     states_of_friction,
     tangential_force,
 )
@@ -52,21 +51,41 @@ from lcpflex.steppers.smooth.memory import (
 )
 from lcpflex.steppers.status import RunStatus
 
-__all__ = ["horizon", "natural_frequency", "record", "slope"]
+__all__ = ["add_powers", "horizon", "natural_frequency", "record", "slope"]
 
 
 @kernel
 def add_contacts(contacts: CompliantContacts, base: int, accelerations: FloatArray, out: FloatArray) -> None:
-    """Contact forces to the generalised ones, in ``accelerations``; their losses and impulses to the slope ``out``."""
+    """Contact forces to the generalised ones, in ``accelerations``; their impulses to the slope ``out``."""
     n = contacts.n_contacts
     for k in range(n):
         add_force(contacts, contacts.rows, contacts.n_joint + k, contacts.p[k, 0], accelerations)
-        out[base + CONTACT_DAMPING] -= (contacts.p[k, 0] - contacts.elastic[k]) * contacts.rate[k]
     for j in range(contacts.n_tangents):
-        force = tangential_force(contacts, j)
-        add_force(contacts, contacts.rows, contacts.n_joint + n + j, force, accelerations)
-        out[base + FRICTION] -= force * slip_along(contacts, j)
+        add_force(contacts, contacts.rows, contacts.n_joint + n + j, tangential_force(contacts, j), accelerations)
     add_impulses(contacts, base + IMPULSES, out)
+
+
+@kernel
+def add_powers(work: Workspace, u: FloatArray, base: int, out: FloatArray) -> None:
+    """What the forces that are there lose, and loads and drives supply, at the velocities ``u``: to the slope ``out``.
+
+    After ``slope``, which found the forces.
+    """
+    contacts = work.compliant
+    first = contacts.n_joint
+    for i in range(len(u)):
+        out[base + DAMPING] -= work.dissipative[i] * u[i]
+        out[base + WORK] += work.driving[i] * u[i]
+    for k in range(contacts.n_contacts):
+        opening = row_velocity(contacts.rows, contacts.row_body, first + k, contacts.dof, u)
+        out[base + CONTACT_DAMPING] -= (contacts.p[k, 0] - contacts.elastic[k]) * opening
+    first += contacts.n_contacts
+    for j in range(contacts.n_tangents):
+        slip = row_velocity(contacts.rows, contacts.row_body, first + j, contacts.dof, u)
+        out[base + FRICTION] -= tangential_force(contacts, j) * slip
+    for r in range(len(work.residual)):
+        if work.rate[r] != 0.0:
+            out[base + WORK] += work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
 
 
 @kernel
@@ -94,8 +113,6 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smooth
     forces(model, t, q, u, work)
     for i in range(ndof):
         work.free_u[i] = work.total[i]
-        out[base + DAMPING] -= work.dissipative[i] * u[i]
-        out[base + WORK] += work.driving[i] * u[i]
     add_contacts(work.compliant, base, work.free_u, out)
     solve_vector(model, work, work.free_u)
     if n_joint > 0:
@@ -105,9 +122,7 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smooth
         factorise_joints(work)
         solve_joints(work, work.p)
         apply_impulses(work.solved, work.row_body, 0, n_joint, work.p, work.dof, work.free_u)
-        for r in range(n_joint):
-            if work.rate[r] != 0.0:
-                out[base + WORK] += work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
+    add_powers(work, u, base, out)
     rate(model, q, u, out)
     for i in range(ndof):
         out[nq + i] = work.free_u[i]
