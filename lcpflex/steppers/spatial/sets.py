@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from lcpflex.dynamics.acceleration import solve_consistent
 from lcpflex.dynamics.contact_problem import fits
 from lcpflex.dynamics.spatial.acceleration import (
     BEGINS,
@@ -30,7 +29,7 @@ from lcpflex.model.arrays import OPEN
 from lcpflex.solvers.contact.cones.ambiguity import several_forces
 from lcpflex.solvers.contact.cones.mixed import solve_mixed
 from lcpflex.solvers.contact.cones.mixed_problem import judge_mixed
-from lcpflex.solvers.contact.cones.reserve import UNIQUE, most_reserve
+from lcpflex.solvers.contact.cones.reserve import LIMIT, UNIQUE, held_forces, most_reserve
 from lcpflex.solvers.contact.index_sets import SMOOTH, STICKING
 from lcpflex.steppers.event_driven.memory import CONE, PRESSURE, EventSettings, copy_entry
 from lcpflex.steppers.event_driven.segment import FORCE_TOLERANCE
@@ -41,7 +40,6 @@ __all__ = ["fall_back", "keep_sets", "note_paradox", "read_sets", "solve_on_sets
 
 CARRIES = 1e-10  # as in the plane
 INSIDE = 1e-6
-LIMIT = 1e-9  # reserve of contacts that share a load, over their largest force, at which they begin to slide
 
 
 @kernel
@@ -105,7 +103,7 @@ def all_rest(sets: SpatialContactSets) -> bool:
 
 
 @kernel
-def prefer_rest(work: SpatialWork, sets: SpatialContactSets) -> bool:
+def prefer_rest(work: SpatialWork, sets: SpatialContactSets, tolerance: float) -> bool:
     """Of several solutions of an island that has not slid take the one at rest, if it has a reserve; whether it did.
 
     Where normal forces are not determined, the problem may be solved by slip under loads that others of them hold.
@@ -116,18 +114,14 @@ def prefer_rest(work: SpatialWork, sets: SpatialContactSets) -> bool:
             return False
     if all_rest(sets):
         return False
-    m, largest = problem.m, 0.0
-    solve_consistent(sets, m)
-    for r in range(m):
-        sets.reference[r], problem.r[r] = problem.r[r], sets.solution[r]
-        sets.right[r] = problem.q[r]
-        for s in range(m):
-            sets.reduced[r, s] = problem.W[r, s]
+    largest = 0.0
+    for r in range(problem.m):
+        sets.reference[r] = problem.r[r]
     for c in range(problem.n):
         problem.rests[c] = 1
         largest = max(largest, problem.r[c])
-    taken = all_rest(sets) and most_reserve(problem, largest) > LIMIT
-    for r in range(m):
+    taken = held_forces(problem, largest) > LIMIT and judge_mixed(problem, problem.x) <= tolerance
+    for r in range(problem.m):
         problem.r[r] = problem.x[r] if taken else sets.reference[r]
     return taken
 
@@ -142,7 +136,7 @@ def solve_on_sets(
     lay_mixed(work, sets, i)
     problem, solver, counts = sets.problem, work.solver, recorder.counts
     solver.residual = solve_mixed(problem, tolerance)
-    if work.shifted == 0 and prefer_rest(work, sets):
+    if work.shifted == 0 and prefer_rest(work, sets, tolerance):
         solver.residual = judge_mixed(problem, problem.r)
     solver.residual = share_mixed(work, sets, tolerance, solver.residual)
     solver.strict = problem.strict

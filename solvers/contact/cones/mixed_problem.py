@@ -57,6 +57,7 @@ class MixedProblem:
     rests: IntArray = array("contacts")  # 1: its forces may be changed, see :mod:`.reserve`
     member: IntArray = array("rows")
     basis: FloatArray = array("rows", "rows")
+    most: float  # of all normal forces that may be changed together, over L
     weight: float  # of the proximal term
     strict: float
     iterations: int

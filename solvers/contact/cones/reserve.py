@@ -3,25 +3,35 @@
 Forces r of contacts at rest are changed by null vectors of W only, r = r0 + B y, so that nothing moves. Wanted is the
 least t for which all of
 
-    |r_T| <= mu (r_N + t L),    L a given force,
+    |r_T| <= mu (r_N + t L),    L a given force,    sum r_N < S,
 
 hold: t < 0 tells that the contacts stick with a reserve -t, t = 0 that they are at the limit. A path of centres,
-min t / eps - sum log(mu^2 (r_N + t L)^2 - |r_T|^2), eps -> 0, is followed by damped Newton steps, which a
-self-concordant function allows without a search (Boyd & Vandenberghe, Convex Optimization, 2004, 9.6 and 11.6.2). The
-path ends where t is known but for half of it.
+min t / eps - sum log(mu^2 (r_N + t L)^2 - |r_T|^2) - log(S - sum r_N), eps -> 0, is followed by damped Newton steps,
+which a self-concordant function allows without a search (Boyd & Vandenberghe, Convex Optimization, 2004, 9.6 and
+11.6.2). The path ends where t is known but for half of it.
+
+Walls could clamp what is between them as hard as one likes, and so hold it against any load. No more than the loads
+make them press is allowed: S is what was found, or what the shortest r of all is, in units of the contacts, as welded
+joints of equal compliance would have it.
+
+Contacts that slide in a solution may have another one in which all are held, W r = -q. Its forces are any that hold,
+changed by null vectors as well.
 """
 
 from __future__ import annotations
 
 import math
 
-from lcpflex.jit.kernel import kernel
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.solvers.contact.cones.mixed import solve_linear
 from lcpflex.solvers.contact.cones.mixed_problem import MixedProblem
 
-__all__ = ["UNIQUE", "most_reserve"]
+__all__ = ["LIMIT", "UNIQUE", "held_forces", "most_reserve"]
 
 UNIQUE = -2.0  # told instead of a reserve: forces can not be changed
+LIMIT = 1e-9  # of a reserve: contacts with less begin to slide
+MORE = 1e-6  # of S, beyond it: the shortest forces are strictly inside
+MISSED = 1e-6  # of what is to be held: a row that nearly depends on others leaves the root of its pivot there
 DEPENDENT = 1e-11  # of the first pivot: a smaller one is rounding
 FALL, LEAST = 0.1, 1e-10  # of eps
 STEPS = 40  # of Newton for each eps
@@ -46,10 +56,27 @@ def members(p: MixedProblem) -> int:
 
 
 @kernel
+def right_sides(p: MixedProblem, m: int) -> float:
+    """What the contacts at rest are to undo, to ``p.step`` in their units; its size."""
+    size = 0.0
+    for i in range(m):
+        r = p.member[i]
+        total = p.q[r]
+        for s in range(p.m):
+            total += p.W[r, s] * p.r[s]
+        for j in range(m):
+            total -= p.W[r, p.member[j]] * p.r[p.member[j]]
+        p.step[i] = -p.unit[r] * total
+        size = max(size, abs(p.step[i]))
+    return size
+
+
+@kernel
 def swap(p: MixedProblem, k: int, i: int, j: int, m: int) -> None:
     """Row i and column j of the elimination to place k."""
     a = p.jacobian
     if i != k:
+        p.step[k], p.step[i] = p.step[i], p.step[k]
         for c in range(m):
             a[k, c], a[i, c] = a[i, c], a[k, c]
     if j != k:
@@ -60,7 +87,10 @@ def swap(p: MixedProblem, k: int, i: int, j: int, m: int) -> None:
 
 @kernel
 def null_vectors(p: MixedProblem, m: int) -> int:
-    """Columns B to ``p.basis``, rows by unknowns, their largest entry 1; how many. By Gauss and Jordan."""
+    """Columns B to ``p.basis``, rows by unknowns, their largest entry 1; how many. By Gauss and Jordan.
+
+    The right-hand sides ``p.step`` are eliminated with the rows.
+    """
     a, rank, first = p.jacobian, m, 0.0
     for i in range(m):
         for j in range(m):
@@ -76,11 +106,13 @@ def null_vectors(p: MixedProblem, m: int) -> int:
             rank = k
             break
         swap(p, k, r, s, m)
+        p.step[k] /= a[k, k]
         for j in range(m - 1, k - 1, -1):
             a[k, j] /= a[k, k]
         for i in range(m):
             factor = a[i, k]
             if i != k and factor != 0.0:
+                p.step[i] -= factor * p.step[k]
                 for j in range(k, m):
                     a[i, j] -= factor * a[k, j]
     for f in range(m - rank):
@@ -108,6 +140,47 @@ def changed(p: MixedProblem, free: int, size: float) -> None:
 
 
 @kernel
+def pressed(p: MixedProblem, r: FloatArray) -> float:
+    """All normal forces of the contacts at rest, whether they press or pull."""
+    total = 0.0
+    for c in range(p.n):
+        if p.rests[c] == 1:
+            total += abs(r[c])
+    return total
+
+
+@kernel
+def shorten(p: MixedProblem, free: int) -> None:
+    """The forces p.r without what they have of ``free`` null vectors, in units of the contacts."""
+    B, H = p.basis, p.jacobian
+    for a in range(free):
+        p.step[a] = 0.0
+        for b in range(free):
+            H[a, b] = 0.0
+    for r in range(p.m):
+        square = p.unit[r] * p.unit[r]
+        for a in range(free):
+            if B[r, a] != 0.0:
+                p.step[a] += B[r, a] * p.r[r] / square
+                for b in range(free):
+                    H[a, b] += B[r, a] * B[r, b] / square
+    if solve_linear(H, free, p.step):
+        for r in range(p.m):
+            for a in range(free):
+                p.r[r] -= B[r, a] * p.step[a]
+
+
+@kernel
+def room(p: MixedProblem) -> float:
+    """What is left of S at ``p.x``, over L."""
+    left = p.most
+    for c in range(p.n):
+        if p.rests[c] == 1:
+            left -= p.x[c]
+    return left
+
+
+@kernel
 def inside(p: MixedProblem, c: int, t: float) -> float:
     """(r_N + t L)^2 - |r_T / mu|^2 over L^2, or r_N / L + t without friction; 0 outside."""
     press = float(p.x[c] + t)
@@ -120,7 +193,7 @@ def inside(p: MixedProblem, c: int, t: float) -> float:
 @kernel
 def all_inside(p: MixedProblem, t: float) -> bool:
     """Whether all laws hold strictly."""
-    holds = 1.0 + t > 0.0
+    holds = 1.0 + t > 0.0 and room(p) > 0.0
     for c in range(p.n):
         holds = holds and (p.rests[c] == 0 or inside(p, c, t) > 0.0)
     return holds
@@ -169,6 +242,20 @@ def add_contact(p: MixedProblem, c: int, t: float, free: int) -> None:
 
 
 @kernel
+def add_total(p: MixedProblem, free: int) -> None:
+    """The same of -log(room)."""
+    v = room(p)
+    for a in range(free):
+        p.trial[a] = 0.0
+        for c in range(p.n):
+            if p.rests[c] == 1:
+                p.trial[a] += p.basis[c, a] / v
+        p.step[a] += p.trial[a]
+        for b in range(a + 1):
+            p.jacobian[a, b] += p.trial[a] * p.trial[b]
+
+
+@kernel
 def derivatives(p: MixedProblem, t: float, eps: float, free: int) -> None:
     """Gradient to ``p.step`` and ``p.best``, second derivatives to ``p.jacobian``."""
     H = p.jacobian
@@ -180,6 +267,7 @@ def derivatives(p: MixedProblem, t: float, eps: float, free: int) -> None:
     for c in range(p.n):
         if p.rests[c] == 1:
             add_contact(p, c, t, free)
+    add_total(p, free)
     for a in range(free + 1):
         p.best[a] = p.step[a]
         for b in range(a):
@@ -215,17 +303,15 @@ def centre(p: MixedProblem, t: float, eps: float, free: int, size: float) -> flo
 
 
 @kernel
-def most_reserve(p: MixedProblem, size: float) -> float:
-    """The forces of those contacts that ``p.rests`` to ``p.x``, the others as in p.r; their reserve over L = ``size``.
+def find_reserve(p: MixedProblem, free: int, size: float, exact: bool) -> float:
+    """The forces p.r with as much as is best of ``free`` null vectors to ``p.x``; their reserve over ``size``.
 
-    At most 1, below 0 where the law is broken at best; UNIQUE where forces can not be changed. ``p.r``, ``p.unit`` are
-    those of a solved problem; W is symmetric among the contacts at rest.
+    p.r become the shortest ones, p.most is S. Where the law is broken at best, the forces are nearly those that break
+    it least if ``exact``; else they are as near as where it holds.
     """
-    count = members(p)
-    free = null_vectors(p, count) if count > 0 and size > 0.0 else 0
-    if free == 0:
-        return UNIQUE
     resting, t = 0, 0.0
+    shorten(p, free)
+    p.most = (1.0 + MORE) * max(p.most, pressed(p, p.r)) / size
     for f in range(free):
         p.centre[f] = 0.0
     changed(p, free, size)
@@ -238,9 +324,45 @@ def most_reserve(p: MixedProblem, size: float) -> float:
     eps = 1.0
     while eps >= LEAST:
         t = centre(p, t, eps, free, size)
-        if t < -KNOWN * resting * eps:
+        if (-t if exact else abs(t)) > KNOWN * resting * eps:
             break
         eps *= FALL
     for r in range(p.m):
         p.x[r] *= size
     return -t
+
+
+@kernel
+def most_reserve(p: MixedProblem, size: float) -> float:
+    """The forces of those contacts that ``p.rests`` to ``p.x``, the others as in p.r; their reserve over L = ``size``.
+
+    At most 1, below 0 where the law is broken at best; UNIQUE where forces can not be changed. ``p.r``, ``p.unit`` are
+    those of a solved problem; W is symmetric among the contacts at rest.
+    """
+    count = members(p)
+    p.most = pressed(p, p.r)
+    free = null_vectors(p, count) if count > 0 and size > 0.0 else 0
+    return find_reserve(p, free, size, True) if free > 0 else UNIQUE
+
+
+@kernel
+def held_forces(p: MixedProblem, size: float) -> float:
+    """As :func:`most_reserve`, of forces that hold the contacts that ``p.rests``, whatever p.r is; UNIQUE: none do.
+
+    Also where one set of forces alone does: p.r stays as it is in both cases.
+    """
+    count = members(p)
+    if count == 0 or not size > 0.0:
+        return UNIQUE
+    p.most = pressed(p, p.r)
+    most = right_sides(p, count)
+    free = null_vectors(p, count)
+    for k in range(count - free, count):
+        if not abs(p.step[k]) <= MISSED * most:
+            return UNIQUE
+    if free == 0:
+        return UNIQUE
+    for k in range(count):
+        r = p.member[k]
+        p.r[r] = p.unit[r] * p.step[k] if k < count - free else 0.0
+    return find_reserve(p, free, size, False)
