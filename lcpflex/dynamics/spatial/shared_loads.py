@@ -2,9 +2,10 @@
 
 Where some of three or more contacts between one pair of bodies slide, their normal forces are divided as
 :mod:`lcpflex.solvers.contact.cones.shares` has it, with the friction that they slide under; those of other contacts
-stay. What that does to slip, and to other bodies, sweeps settle; then they are divided anew. The shares change less
-each time, by about the friction coefficient, and begin from those of the last step. What sticks altogether moves in
-the same way under all shares, and is left alone.
+stay. In an island with joints all contacts are divided together: a body that is guided takes any moment, so that two
+jaws may carry their loads at one and the same corner. What that does to slip, and to other bodies, sweeps settle; then
+they are divided anew. The shares change less each time, by about the friction coefficient, and begin from those of the
+last step. What sticks altogether moves in the same way under all shares, and is left alone.
 """
 
 from __future__ import annotations
@@ -13,14 +14,16 @@ import math
 
 from lcpflex.dynamics.delassus import delassus
 from lcpflex.dynamics.spatial.cone_sweeps import judge_island, sweep_island
+from lcpflex.dynamics.spatial.contact_problem import has_joints
 from lcpflex.dynamics.spatial.delassus import push, speeds
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.least_cones import way_in_cone
 from lcpflex.jit.kernel import kernel, late_kernel
-from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, sweep_on, weigh_forces
+from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, newton_on, sweep_on, weigh_forces
+from lcpflex.solvers.contact.cones.memory import OF_A_PAIR
 from lcpflex.solvers.contact.cones.shares import MATTERS, NEEDED, SLIPS, TOUCHING, at_edge, share_out
 
-__all__ = ["share_loads"]
+__all__ = ["judge_forces", "put_forces", "share_loads", "shares_in_joints", "tangents_of", "velocity_of"]
 
 SETTLED = 1e-5  # of the largest normal force: shares that change by less are left
 TURNS = 12  # at most: what is left of a change is about the friction coefficient of it
@@ -52,6 +55,19 @@ def find_groups(work: SpatialWork, i: int) -> bool:
         s.count[leader] += 1
         found = found or s.count[leader] >= NEEDED
     return found
+
+
+@kernel
+def shares_in_joints(work: SpatialWork, i: int) -> bool:
+    """Whether island i has joints and not too many contacts, and a pair of its bodies has several of them."""
+    n, shares = work.islands.start[i + 1] - work.islands.start[i], work.solver.shares
+    if not NEEDED <= n <= OF_A_PAIR or not has_joints(work, i):
+        return False
+    find_groups(work, i)
+    several = False
+    for c in range(n):
+        several = several or (shares.leader[c] == c and shares.count[c] > 1)
+    return several
 
 
 @kernel
@@ -240,7 +256,7 @@ def put_forces(work: SpatialWork, i: int, back: bool) -> None:
 
 
 @kernel
-def judge(work: SpatialWork, i: int, posed: bool, mend: bool) -> bool:
+def judge_forces(work: SpatialWork, i: int, posed: bool, mend: bool) -> bool:
     """Judge the forces ``work.p`` of island i, which sweeps ``mend`` where needed; whether they are good enough."""
     memory = work.solver
     if not posed:
@@ -253,7 +269,9 @@ def judge(work: SpatialWork, i: int, posed: bool, mend: bool) -> bool:
         memory.force[r] = work.p[work.n_joint + part[r]] if part[r] >= 0 else 0.0
     weigh_forces(work.problem, memory)
     if memory.residual > memory.tolerance and mend:
-        good = sweep_on(work.problem, memory, memory.iterations + FIRST_SWEEPS, False)
+        good = sweep_on(work.problem, memory, memory.iterations + FIRST_SWEEPS, False) or newton_on(
+            work.problem, memory
+        )
         for r in range(3 * work.problem.n_contacts):
             if part[r] >= 0:
                 work.p[work.n_joint + part[r]] = memory.force[r]
@@ -273,7 +291,7 @@ def divide(work: SpatialWork, i: int, posed: bool) -> bool:
                 moved = share_group(work, i, c, posed) or moved
         if not moved:
             return True
-        if not judge(work, i, posed, True):
+        if not judge_forces(work, i, posed, True):
             return False
     return True
 
@@ -285,9 +303,15 @@ def share_loads(work: SpatialWork, i: int, posed: bool) -> None:
     posed: as one dense problem, joints condensed. Where dividing leads nowhere, the forces stay as they are.
     """
     n = work.islands.start[i + 1] - work.islands.start[i]
-    if work.solver.sliding == 0 or n < NEEDED or not find_groups(work, i):
+    if work.solver.sliding == 0 or n < NEEDED:
+        return
+    if posed and shares_in_joints(work, i):
+        for c in range(n):
+            work.solver.shares.leader[c] = 0
+        work.solver.shares.count[0] = n
+    elif not find_groups(work, i):
         return
     put_forces(work, i, False)
     if not divide(work, i, posed):
         put_forces(work, i, True)
-        judge(work, i, posed, False)
+        judge_forces(work, i, posed, False)

@@ -13,9 +13,10 @@ from lcpflex.dynamics.contact_problem import fits
 from lcpflex.dynamics.large_island import describe_island as describe_bodies, is_large
 from lcpflex.dynamics.spatial.cone_sweeps import judge_island, sweep_island
 from lcpflex.dynamics.spatial.contact_problem import describe_island, has_joints, pose_island, take_forces
+from lcpflex.dynamics.spatial.held_islands import GOES_ON, hold_island, way_of_slip
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.least_cones import shorten_island
-from lcpflex.dynamics.spatial.shared_loads import share_loads
+from lcpflex.dynamics.spatial.shared_loads import judge_forces, put_forces, share_loads, shares_in_joints
 from lcpflex.jit.kernel import kernel, late_kernel
 from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, solve_cones
 from lcpflex.solvers.contact.cones.large.solving import ROOM, solve_large_cones
@@ -174,6 +175,23 @@ def note_unsolved(work: SpatialWork, recorder: Recorder) -> None:
 
 
 @kernel
+def settle_shares(work: SpatialWork, i: int, tolerance: float, posed: bool, resting: bool) -> None:
+    """Of several solutions of island i, which is solved, the one at rest, or that of forces shared by all contacts.
+
+    resting: its contacts were at rest, whatever is remembered.
+    """
+    if work.solver.sliding == 0:
+        return
+    way = way_of_slip(work, i, posed, resting) if work.shifted == 0 else GOES_ON
+    if way != GOES_ON and hold_island(work, i, posed, way):
+        again = solve_posed(work, i, tolerance) == RunStatus.DONE if posed else solve_in_bodies(work, i)
+        if not again:
+            put_forces(work, i, True)
+            judge_forces(work, i, posed, False)
+    share_loads(work, i, posed)
+
+
+@kernel
 def solve_island(work: SpatialWork, i: int, tolerance: float, warm: bool, recorder: Recorder) -> int:
     """Forces of the contacts of island i to ``work.p``; DONE, GROW, or SOLVER_FAILED with the reason in the workspace.
 
@@ -182,13 +200,14 @@ def solve_island(work: SpatialWork, i: int, tolerance: float, warm: bool, record
     memory, islands = work.solver, work.islands
     n = islands.start[i + 1] - islands.start[i]
     memory.tolerance = tolerance
+    resting = memory.begun == 1
     if memory.known == NOTHING_KNOWN:
         begin_island(work, i, warm)
         if memory.method != POSED and work.lifted == 0:
             if not has_joints(work, i) and solve_in_bodies(work, i):
-                share_loads(work, i, False)
+                settle_shares(work, i, tolerance, False, resting)
                 return go_on(work, i, True, recorder)
-            if is_large(work, i):
+            if is_large(work, i) and not shares_in_joints(work, i):
                 status = solve_large(work, i, warm)
                 if status == RunStatus.GROW:
                     return status
@@ -197,7 +216,7 @@ def solve_island(work: SpatialWork, i: int, tolerance: float, warm: bool, record
     status = solve_posed(work, i, tolerance)
     if status == RunStatus.DONE:
         if memory.method != POSED and work.lifted == 0:
-            share_loads(work, i, True)
+            settle_shares(work, i, tolerance, True, resting)
         note_certificate(work, recorder)
     return status
 

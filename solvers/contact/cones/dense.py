@@ -33,6 +33,7 @@ __all__ = [
     "SLIDING",
     "SWEEPS",
     "is_settled",
+    "newton_on",
     "solve_cones",
     "sweep_on",
     "weigh_forces",

@@ -10,6 +10,7 @@ from typing import Any, cast
 
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.solvers.contact.cones.mixed_problem import MixedProblem, mixed_problem
 from lcpflex.solvers.contact.cones.newton import ConeWork, cone_work
 from lcpflex.solvers.contact.cones.shares import Shares, shares
 from lcpflex.solvers.contact.recollection import fill_slots
@@ -17,6 +18,7 @@ from lcpflex.solvers.contact.recollection import fill_slots
 __all__ = [
     "COMPILED",
     "NOTHING_KNOWN",
+    "OF_A_PAIR",
     "POSED",
     "SOLUTION_KNOWN",
     "SpatialContactData",
@@ -87,6 +89,7 @@ class SpatialSolverMemory:
     alike_force: FloatArray = array("rows")
     newton: ConeWork
     shares: Shares
+    held: MixedProblem  # of an island that begins to slide, and may be held
 
 
 @struct
@@ -120,7 +123,8 @@ def cone_memory(
     rows = 3 * (capacity if dense is None else dense)
     sizes = {"contacts": capacity, "triples": 3 * capacity, "rows": rows, "ndof": ndof}
     pair = max(rows, 3 * min(capacity, OF_A_PAIR))
-    memory = allocate(SpatialSolverMemory, sizes, newton=cone_work(rows // 3), shares=shares(capacity, pair, ndof))
+    own = {"newton": cone_work(rows // 3), "shares": shares(capacity, pair, ndof), "held": mixed_problem(pair // 3)}
+    memory = allocate(SpatialSolverMemory, sizes, **own)
     memory.tolerance = TOLERANCE
     if before is not None:
         memory.method, memory.known, memory.tolerance = before.method, before.known, before.tolerance
