@@ -318,17 +318,17 @@ def step_fixed(model: Model, settings: SmoothSettings, work: Workspace, memory: 
     memory.frequency = max(memory.frequency, natural_frequency(model, work, memory))
     if memory.states < len(memory.end):
         memory.frequency = max(memory.frequency, relax(model, h, work, memory))
+    for i in range(base, base + IMPULSES):  # at the mean velocity, below
+        memory.slope[i] = 0.0
     for i in range(nq, memory.states):
         memory.end[i] += h * memory.slope[i]
     kick_again(model, h, work, memory)
     advance_by(model, memory.end[:nq], memory.end[nq:base], 0.5 * h, memory.end)
     for i in range(nq, base):
         memory.at[i] = 0.5 * (memory.y[i] + memory.end[i])
-    for i in range(base, base + IMPULSES):  # forces do their work at the mean velocity: one step may hold all of it
-        memory.slope[i] = 0.0
-    add_powers(work, memory.at[nq:base], base, memory.slope)
+    add_powers(work, memory.at[nq:base], base, memory.slope)  # one step may hold all of a load
     for i in range(base, base + IMPULSES):
-        memory.end[i] = memory.y[i] + h * memory.slope[i]
+        memory.end[i] += h * memory.slope[i]
     memory.step_taken = h
     return RunStatus.DONE
 

@@ -12,7 +12,7 @@ from lcpflex.force_laws.friction.spatial_kernels import bristle_slopes, friction
 from lcpflex.jit.kernel import kernel
 from lcpflex.kinematics.spatial.vectors import row_vector
 from lcpflex.steppers.smooth.explicit import SMALL
-from lcpflex.steppers.smooth.memory import SmoothMemory
+from lcpflex.steppers.smooth.memory import IMPULSES, SmoothMemory
 from lcpflex.steppers.smooth.slope import slope
 
 __all__ = ["kick_again", "relax"]
@@ -30,6 +30,8 @@ def kick_again(model: Any, h: float, work: Workspace, memory: SmoothMemory) -> N
     for i in range(memory.nq, base):
         memory.at[i] = 0.5 * (memory.y[i] + memory.end[i])
     slope(model, memory.time + 0.5 * h, memory.at, work, memory, memory.slope)  # with tables that are large enough
+    for i in range(base, base + IMPULSES):  # what forces do is told by who makes the step
+        memory.slope[i] = 0.0
     for i in range(memory.nq, memory.states):
         memory.end[i] = memory.y[i] + h * memory.slope[i]
 

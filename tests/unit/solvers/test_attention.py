@@ -45,6 +45,14 @@ def handled():
     signal.signal(HANDLED, before)
 
 
+@pytest.fixture
+def interrupted():
+    """Ctrl-C raises KeyboardInterrupt, which a process started in the background does not set up."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 class TestKernels:
     """Each returns after at most one piece of its work once the number is set."""
 
@@ -106,7 +114,7 @@ class TestEar:
         assert seen == [False] * 4
         assert len(handled) == 3
 
-    def test_control_c_ends_it(self):
+    def test_control_c_ends_it(self, interrupted):
         ear, calls = Ear(np.zeros(7, dtype=np.int64)), []
 
         def solve():
