@@ -6,6 +6,7 @@ under a load that all corners hold together.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -107,6 +108,23 @@ def test_what_friction_holds_stays(name: str, case: str) -> None:
     assert np.abs(turn).max() < LEAST
     assert not result.found_wrong
     assert not result.notes
+
+
+@every_stepper
+def test_a_box_does_not_tilt_about_a_corner_of_each_jaw(name: str) -> None:
+    """Narrow jaws at different places, and a load out of the middle: one corner of each, and the others would open."""
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    box = scene.add(lf.Cuboid(0.083, 0.085, 0.124, mass=1.56), name="cube")
+    for k, (sides, y, z) in enumerate((((0.022, 0.016, 0.078), 0.0, 0.036), ((0.022, 0.012, 0.032), 0.004, -0.024))):
+        x = (-0.0525, 0.0525)[k]
+        jaw = scene.add(lf.Cuboid(*sides, mass=0.2), name=f"jaw{k}", position=(x, y, z))
+        scene.join(lf.Prismatic(jaw.point("center"), scene.ground.at(x, y, z), axis=(1.0, 0.0, 0.0)))
+        scene.load(lf.Force(jaw.point("center"), (-math.copysign(26.0, x), 0.0, 0.0)))
+        scene.contact(jaw.surface(), box.surface(), friction=0.44)
+    scene.load(lf.Force(box.at(0.0047, -0.0116, 0.0204), (0.0, 7.2, 5.86)))
+    way, turn, _ = moved(scene, name)
+    assert np.abs(way).max() < 0.1 * LEAST
+    assert np.abs(turn).max() < LEAST
 
 
 @every_stepper

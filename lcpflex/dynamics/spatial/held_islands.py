@@ -1,8 +1,8 @@
-"""Islands whose contacts begin to slide though other forces of the same contacts would hold them.
+"""Islands whose contacts begin to slide or to open though other forces of the same contacts would hold them.
 
 Between flush jaws on guides, no law of motion tells which corners carry the load. Sweeps may leave all of it to one
-corner of each jaw, about which the rest then turns: a solution of the contact problem, but one that forces which all
-corners share do not have. So what was at rest stays there where some forces hold it with a reserve, see
+corner of each jaw, about which the rest turns or tilts: a solution of the contact problem, but one that forces which
+all corners share do not have. So what was at rest stays there where some forces hold it with a reserve, see
 :mod:`lcpflex.solvers.contact.cones.reserve`; where none do, the problem is solved once more, from those that miss
 Coulomb's law by the least, brought into the cones.
 """
@@ -22,10 +22,10 @@ from lcpflex.solvers.contact.cones.reserve import LIMIT, UNIQUE, held_forces
 from lcpflex.solvers.contact.cones.shares import TOUCHING
 from lcpflex.solvers.contact.recollection import place_of
 
-__all__ = ["GOES_ON", "hold_island", "way_of_slip"]
+__all__ = ["GOES_ON", "hold_island", "moves", "way_of_motion"]
 
 RESTED, SLID, NEW = 0, 1, 2  # what a contact did in the last step
-GOES_ON, BEGINS, STOPS = 0, 1, 2  # what an island does that slides; the last: it goes on unless forces hold it
+GOES_ON, BEGINS, STOPS = 0, 1, 2  # what an island does that moves; the last: it goes on unless forces hold it
 
 
 @kernel
@@ -39,6 +39,19 @@ def before(work: SpatialWork, k: int, c: int, guess: int) -> tuple[int, int]:
     slip = kept[4] * math.sqrt(kept[1] * kept[1] + kept[2] * kept[2] + kept[3] * kept[3])
     rested = kept[0] > 0.0 and memory.unit[c] * slip <= SLIDING * memory.load
     return RESTED if rested else SLID, place + 1 if place + 1 < known.n else 0
+
+
+@kernel
+def moves(work: SpatialWork, i: int, posed: bool) -> bool:
+    """Whether a contact of the island just solved slides, or one that carries nothing moves in any way."""
+    memory, first = work.solver, work.islands.start[i]
+    found = memory.sliding == 1
+    for c in range(work.islands.start[i + 1] - first):
+        k = work.islands.contact[first + c]
+        if not found and not work.p[work.n_joint + k] > 0.0:
+            u, u1, u2 = velocity_of(work, posed, k, c)
+            found = memory.unit[c] * (abs(u) + abs(u1) + abs(u2)) > SLIDING * memory.load
+    return found
 
 
 @kernel
@@ -62,10 +75,10 @@ def can_stop(work: SpatialWork, i: int) -> bool:
 
 
 @kernel
-def way_of_slip(work: SpatialWork, i: int, posed: bool, resting: bool) -> int:
-    """Whether the island just solved, which slides, begins to or may as well stop; all was at rest if ``resting``.
+def way_of_motion(work: SpatialWork, i: int, posed: bool, resting: bool) -> int:
+    """Whether the island just solved, which moves, begins to or may as well stop; all was at rest if ``resting``.
 
-    It begins to where a contact slides that was at rest; those that were not are marked by 0 in
+    It begins to where a contact slides or opens that was at rest; those that were not are marked by 0 in
     ``work.solver.held.rests``. With joints a contact that is new counts as one at rest. Without, the loads of most
     contacts are determined: islands in which something slides already are left alone.
     """
@@ -83,11 +96,10 @@ def way_of_slip(work: SpatialWork, i: int, posed: bool, resting: bool) -> int:
         if not jointed and state != RESTED:
             return GOES_ON
         u, u1, u2 = velocity_of(work, posed, k, c)
-        touches = work.p[work.n_joint + k] > 0.0 or memory.unit[c] * u <= TOUCHING * memory.load
-        begins = begins or (rests[c] == 1 and touches and memory.unit[c] * math.hypot(u1, u2) > SLIDING * memory.load)
+        begins = begins or (rests[c] == 1 and memory.unit[c] * (abs(u) + abs(u1) + abs(u2)) > SLIDING * memory.load)
     if begins:
         return BEGINS if jointed else STOPS
-    if not posed or not can_stop(work, i):
+    if memory.sliding == 0 or not posed or not can_stop(work, i):
         return GOES_ON
     for c in range(n):
         rests[c] = 1

@@ -13,7 +13,7 @@ from lcpflex.dynamics.contact_problem import fits
 from lcpflex.dynamics.large_island import describe_island as describe_bodies, is_large
 from lcpflex.dynamics.spatial.cone_sweeps import judge_island, sweep_island
 from lcpflex.dynamics.spatial.contact_problem import describe_island, has_joints, pose_island, take_forces
-from lcpflex.dynamics.spatial.held_islands import GOES_ON, hold_island, way_of_slip
+from lcpflex.dynamics.spatial.held_islands import GOES_ON, hold_island, moves, way_of_motion
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.least_cones import shorten_island
 from lcpflex.dynamics.spatial.shared_loads import judge_forces, put_forces, share_loads, shares_in_joints
@@ -180,9 +180,9 @@ def settle_shares(work: SpatialWork, i: int, tolerance: float, posed: bool, rest
 
     resting: its contacts were at rest, whatever is remembered.
     """
-    if work.solver.sliding == 0:
+    if not moves(work, i, posed):
         return
-    way = way_of_slip(work, i, posed, resting) if work.shifted == 0 else GOES_ON
+    way = way_of_motion(work, i, posed, resting) if work.shifted == 0 else GOES_ON
     if way != GOES_ON and hold_island(work, i, posed, way):
         again = solve_posed(work, i, tolerance) == RunStatus.DONE if posed else solve_in_bodies(work, i)
         if not again:
