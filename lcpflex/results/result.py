@@ -113,6 +113,7 @@ class Result(NamesNearest):
     compiled: CompiledScene | None = None  # what the scene was compiled to; None for a system of the user's own
     contact_names: tuple[str, ...] = ()  # taken from ``compiled`` where there is one
     compliant: tuple[str, ...] = ()  # those of them whose force is a continuous law of the indentation
+    coarse: tuple[str, ...] = ()  # those of them whose touches take too few steps for their law
     notes: tuple[str, ...] = ()  # how the stepper fared, where that is no reason to doubt
     python_calls: int = 0  # of Python functions of time, which keep the loop from being compiled
     python_time: float = 0.0  # [s] of wall_time spent in them
@@ -135,11 +136,10 @@ class Result(NamesNearest):
         if self.compiled is not None and not self.contact_names:
             object.__setattr__(self, "contact_names", tuple(self.compiled.layout.contacts))
         m, nc = len(self.times), len(self.contact_names)
-        sums = 4 if self.force.shape[-1] == 4 else 2  # in space friction is a vector
         expected = {
             "q": (m, *self.q.shape[1:2]),
             "u": (m, *self.u.shape[1:2]),
-            **dict.fromkeys(("force", "impulse"), (m, nc, sums)),
+            **dict.fromkeys(("force", "impulse"), (m, nc, 4 if self.force.shape[-1] == 4 else 2)),  # space: vectors
             **dict.fromkeys(("state", "gap"), (m, nc)),
             **dict.fromkeys(("residual", "penetration", "joint_drift", "size"), (m,)),
         }
@@ -173,8 +173,7 @@ class Result(NamesNearest):
                 return untouched(name, self.times, self.force.shape[2])
             raise ModelError(f"name: no contact {absent(name, self.contact_names)}")
         events = found.events.get(name, ())
-        first = min((event.time for event in events), default=float("inf"))
-        points = found.points(k)
+        first, points = min((event.time for event in events), default=float("inf")), found.points(k)
         pressed = points[self.contact_points.force[points, 0] > 0.0]
         pairs = np.bincount(self.contact_points.record[pressed], minlength=len(self.times))
         force, impulse, state, gap = self.force[:, k], self.impulse[:, k], self.state[:, k], self.gap[:, k]

@@ -42,18 +42,19 @@ def summary(result: Result) -> str:
 
 def doubts(result: Result) -> tuple[str, ...]:
     """Reasons not to trust the result, each a clause; empty if there is none."""
+    from lcpflex.results.unexplained import unexplained_energy  # which a run by itself does without
+
     found = []
     if not result.complete:
         found.append(f"it stopped early ({result.message})")
     if not (np.isfinite(result.q).all() and np.isfinite(result.u).all()):
         found.append("the motion contains numbers that are not finite")
     found.extend(result.found_wrong)
-    energies = result.energies
-    if not (energies.relative_remainder <= UNEXPLAINED or energies.largest_remainder <= _unnoticed(result)):
-        way = "gained" if energies.remainder.max(initial=0.0) >= energies.largest_remainder else "lost"
+    unexplained, share = unexplained_energy(result)
+    if not (share <= UNEXPLAINED or abs(unexplained) <= _unnoticed(result)):
+        way = "gained" if unexplained > 0.0 else "lost"
         found.append(
-            f"{_share(energies.relative_remainder)} of the largest stored energy was {way} without explanation "
-            "(take a smaller step)"
+            f"{_share(share)} of the largest stored energy was {way} without explanation (take a smaller step)"
         )
     if not _largest(result.residual) <= UNSOLVED:
         found.append(f"a contact problem was left with a residual of {_largest(result.residual):.1e}")

@@ -86,6 +86,7 @@ def collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, c
         compiled=compiled,
         contact_names=names,
         compliant=run.records.compliant,
+        coarse=tuple(system.names[law] for law in run.records.touches.enough()),
         crept=crept(laws, found.model.contacts.friction[: len(laws)], data["times"], state, data["force"]),
         found_wrong=(
             *options.began_wrong,
