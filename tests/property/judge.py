@@ -15,7 +15,7 @@ import time
 import warnings
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -191,7 +191,18 @@ def judge(drawn: Drawn) -> Verdict:
         return verdict("stopped", ended, truth.until)
     told = [f"{w.message}" for w in caught if issubclass(w.category, lf.ModelWarning)]
     errors = judge_result(drawn, result, truth)
-    return verdict(*outcome_of(errors, doubts(result), [*result.warnings, *told]), truth.until, errors)
+    outcome, said = outcome_of(errors, doubts(result), [*result.warnings, *told])
+    if outcome == "alarm" and not _in_doubt(replace(drawn, duration=truth.until)):
+        outcome = "no truth"  # of what the doubt is about, which comes later
+    return verdict(outcome, said, truth.until, errors)
+
+
+def _in_doubt(drawn: Drawn) -> bool:
+    """Whether the scene's own run has doubts."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        result, ended = carried(drawn, stepper_of(drawn), 3.0 * PATIENCE)
+    return result is None or bool(ended) or bool(doubts(result))
 
 
 def outcome_of(errors: Errors, doubted: Iterable[str], warned: Iterable[str]) -> tuple[str, str]:

@@ -98,6 +98,16 @@ def test_the_judge_lets_pass_what_is_right(dimension: int) -> None:
     assert verdict.truth == pytest.approx(0.4)
 
 
+def test_a_doubt_of_what_comes_behind_the_truth_is_no_false_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A doubt of all runs that go on beyond 0.35 s."""
+    monkeypatch.setattr("tests.property.judge.doubts", lambda result: ("late",) if result.duration > 0.35 else ())
+    assert judge(rolling(2)).outcome == "alarm"
+    monkeypatch.setattr("tests.property.judge.truth_of", lambda *runs: replace(truth_of(*runs), until=0.3))
+    verdict = judge(rolling(2))
+    assert verdict.outcome == "no truth"
+    assert "late" in verdict.said
+
+
 def test_what_a_run_is_called() -> None:
     """By how far it is off, by what it states of that, and by what else it says."""
     right, off, fast = Errors(0.01, 0.0), Errors(0.05, 0.0), Errors(0.0, 0.05, stated=0.04)
