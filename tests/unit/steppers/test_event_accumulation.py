@@ -149,14 +149,17 @@ def dominoes(count: int, height: float, width: float, gap: float, friction: floa
     return scene
 
 
-@pytest.mark.xfail(reason="one set loses 1.3e-3 for 1e-3", strict=False)
+# Moreau-Jean comes no nearer with its step here: 5.7e-4 rad at 4e-5 s, 5.4e-4 at 2e-5, 1.3e-3 at 1e-5.
+APART = pytest.mark.xfail(reason="strikes in the midst of chatter differ at any step", strict=False)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("height", "width", "gap", "friction", "restitution"),
     [
         (0.1, 0.02, 0.03, 0.3, 0.0),
         (0.1, 0.01, 0.03, 0.4, 0.0),
-        (0.05, 0.008, 0.02, 0.3, 0.2),
+        pytest.param(0.05, 0.008, 0.02, 0.3, 0.2, marks=APART),
         (0.05, 0.008, 0.02, 0.5, 0.1),
     ],
 )
