@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Hashable
 
 import numpy as np
 
@@ -16,6 +17,7 @@ __all__ = ["SeveralMotions"]
 
 APART = 1e-6  # relative distance of two motions
 STILL = 1e-9  # relative: slower slip is none
+LOOKS = 8  # at problems of one kind: contacts that come to rest flicker between two of them for hundreds of steps
 
 
 class SeveralMotions:
@@ -24,6 +26,7 @@ class SeveralMotions:
     def __init__(self) -> None:
         self._first = math.nan
         self._taken: list[tuple[int, str]] = []
+        self._looks: Counter[Hashable] = Counter()
 
     def remarks(self, work: Workspace, name: Callable[[int], str]) -> list[str]:
         """Look at the problems kept since the last call; a warning if one of them so far had several motions."""
@@ -43,6 +46,10 @@ class SeveralMotions:
         n, m = int(row[1]), int(row[2])
         laws, friction, free, delassus, forces = np.split(row[3:], np.cumsum([n, n, m, m * m]))
         problem = ContactProblem(delassus.reshape(m, m), free, friction)
+        kind = (*laws, *(free[:n] < 0.0), *(forces[:n] > 0.0), *_cannot_stay_closed(problem))
+        self._looks[kind] += 1
+        if self._looks[kind] > LOOKS:
+            return
         found = Enumeration().solve(problem)
         motions = [problem.velocity(np.concatenate(problem.forces(point))) for point in found.solutions]
         size = max((float(np.abs(v).max()) for v in [*motions, free]), default=0.0)
@@ -58,3 +65,9 @@ class SeveralMotions:
             )
             for k in range(n)
         ]
+
+
+def _cannot_stay_closed(problem: ContactProblem) -> list[bool]:
+    """Of each tangent, whether its friction presses more than the normal force lifts: mu |G_NT| > G_NN."""
+    G, n = problem.delassus, len(problem.friction)
+    return [problem.friction[k] * abs(G[k, n + j]) > G[k, k] for j, k in enumerate(problem.tangent)]

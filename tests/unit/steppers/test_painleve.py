@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.dynamics.impact_laws import ImpactLaw, Newton, Poisson, Stronge
+from lcpflex.solvers import Enumeration
+from lcpflex.steppers.several_motions import LOOKS, SeveralMotions
 from lcpflex.studies.stability_maps.admissible_accelerations import ContactFate, Count, admissible_accelerations
 from tests.scenes import floor_of
 
@@ -183,3 +186,26 @@ def test_user_system_meets_the_paradox_in_the_python_loop() -> None:
     result = lf.simulate(system, 0.01, lf.EventDriven(), record=1e-3)
     assert result.events[0].kind == "impact without collision"
     assert any("contact 'tip' resolved it" in w for w in result.warnings)
+
+
+def test_problems_of_one_kind_are_looked_at_some_times(monkeypatch):
+    """Contacts that come to rest flicker between kinds: each look tries all active sets, and linear programs."""
+    looks = []
+
+    class Counted(Enumeration):
+        def solve(self, problem, guess=None):
+            looks.append(problem)
+            return super().solve(problem, guess)
+
+    monkeypatch.setattr("lcpflex.steppers.several_motions.Enumeration", Counted)
+    several = SeveralMotions()
+
+    def row(free):
+        values = [0.0, 1, 2, 0, 0.5, free, 0.1, 1.0, 0.4, 0.4, 1.0, -free, 0.0]  # t, n, m, law, mu, free, G, forces
+        return np.array(values)
+
+    for _ in range(3 * LOOKS):
+        assert not several.remarks(SimpleNamespace(doubtful=[row(-1.0)], n_doubtful=1), str)
+    assert len(looks) == LOOKS
+    several.remarks(SimpleNamespace(doubtful=[row(1.0)], n_doubtful=1), str)
+    assert len(looks) == LOOKS + 1  # of another kind
