@@ -62,13 +62,18 @@ def check_forces(rest: lf.Rest, friction: float, weight: float, lifted: float, p
     ("friction", "thickness", "modes", "height"),
     [
         (0.0, 1e-3, 20, 0.02),
-        (0.1, 1e-3, 8, 0.02),
         (0.3, 1e-3, 8, 0.02),
-        (0.3, 1e-3, 20, 0.02),
-        (2.0, 1e-3, 20, 0.02),
-        (1.0, 2e-3, 8, 0.01),
         (2.0, 2e-3, 8, 0.01),
-        (0.5, 5e-4, 20, 0.005),
+        *(
+            pytest.param(*one, marks=pytest.mark.slow)
+            for one in (
+                (0.1, 1e-3, 8, 0.02),
+                (0.3, 1e-3, 20, 0.02),
+                (2.0, 1e-3, 20, 0.02),
+                (1.0, 2e-3, 8, 0.01),
+                (0.5, 5e-4, 20, 0.005),
+            )
+        ),
     ],
 )
 @pytest.mark.filterwarnings("ignore:youngs_modulus")  # whose numbers look like N, mm and t, as they are
@@ -85,8 +90,8 @@ def test_one_end_lifted(friction: float, thickness: float, modes: int, height: f
     check_forces(rest, friction, w * LENGTH, force)
 
 
-@pytest.mark.parametrize("friction", [0.1, 0.3, 1.0, 2.0])
-@pytest.mark.parametrize("thickness", [5e-4, 1e-3, 3e-3])
+@pytest.mark.parametrize("friction", [0.1, 2.0, *(pytest.param(mu, marks=pytest.mark.slow) for mu in (0.3, 1.0))])
+@pytest.mark.parametrize("thickness", [5e-4, 1e-3, pytest.param(3e-3, marks=pytest.mark.slow)])
 def test_the_middle_pulled_up(friction: float, thickness: float) -> None:
     """By a force, less than the weight."""
     scene = strip(friction, thickness)
@@ -125,7 +130,7 @@ def peeled(friction: float) -> list[Any]:
     return rests
 
 
-@pytest.mark.parametrize("friction", [0.1, 0.3, 1.0])
+@pytest.mark.parametrize("friction", [0.3, *(pytest.param(mu, marks=pytest.mark.slow) for mu in (0.1, 1.0))])
 def test_peeled_slowly(friction: float) -> None:
     """The force grows with the fourth root of the height, at each of the places."""
     w, EI = load_by_length(1e-3), E * WIDTH * 1e-9 / 12.0
@@ -135,7 +140,7 @@ def test_peeled_slowly(friction: float) -> None:
         check_forces(rest, friction, w * LENGTH, force)
 
 
-@pytest.mark.parametrize("friction", [0.1, 0.3, 1.0])
+@pytest.mark.parametrize("friction", [0.3, *(pytest.param(mu, marks=pytest.mark.slow) for mu in (0.1, 1.0))])
 def test_two_strips(friction: float) -> None:
     """One upon the other, of few elements; the upper one's end is lifted."""
     scene = strip(friction, modes=6, elements=12)

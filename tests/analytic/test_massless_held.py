@@ -82,7 +82,7 @@ def free_modes_alone(modes: int) -> lf.Scene:
     return scene
 
 
-@pytest.mark.parametrize("modes", [3, 8, 24])
+@pytest.mark.parametrize("modes", [3, 8, pytest.param(24, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("build", "place", "share", "root", "duration"),
     [

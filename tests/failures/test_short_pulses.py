@@ -102,7 +102,10 @@ def test_a_system_of_the_users_own_tells_what_its_steps_missed() -> None:
         pytest.param(FIXED[3], id="verlet", marks=pytest.mark.slow),
     ],
 )
-@pytest.mark.parametrize(("at", "width"), [(0.4103, 3e-5), (0.5, 2e-4), (0.90008, 1.5e-5)])
+@pytest.mark.parametrize(
+    ("at", "width"),
+    [(0.4103, 3e-5), *(pytest.param(*one, marks=pytest.mark.slow) for one in ((0.5, 2e-4), (0.90008, 1.5e-5)))],
+)
 def test_fixed_steps_that_miss_it_are_not_to_be_trusted(stepper: Any, at: float, width: float) -> None:
     result = lf.simulate(plane((jump(at, width, 3.0 / width), 0.0)), 1.0, stepper, progress=False)
     assert abs(result.u[-1, 0] - 3.0) > 0.3

@@ -111,7 +111,14 @@ def test_verlet_balances_to_rounding(build: Any) -> None:
 
 
 @pytest.mark.parametrize(("stepper", "bound"), CONTROLLED, ids=["events", "alpha", "explicit", "stiff"])
-@pytest.mark.parametrize("build", [cart_and_pendulum, polar, on_a_circle], ids=["cart", "polar", "circle"])
+@pytest.mark.parametrize(
+    "build",
+    [
+        pytest.param(cart_and_pendulum, id="cart", marks=pytest.mark.slow),
+        pytest.param(polar, id="polar", marks=pytest.mark.slow),
+        pytest.param(on_a_circle, id="circle"),
+    ],
+)
 def test_others_balance_to_their_error(build: Any, stepper: Any, bound: float) -> None:
     balanced(build(), stepper, bound)
 
