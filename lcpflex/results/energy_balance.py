@@ -248,6 +248,7 @@ def energy_doubts(
     held: float = 0.0,
     passive: bool = True,
     moved: bool = False,
+    growth: float | None = None,
 ) -> tuple[str, ...]:
     """Clauses: energy that came from nowhere, so that the result is not to be trusted.
 
@@ -255,7 +256,8 @@ def energy_doubts(
     that of :func:`load_energy` [J]: where nothing moves the stored energy is no measure. Where something has ``moved``,
     what grew by HALF of the stored energy is in doubt, too, however much more loads could do. ``held``: as of
     :func:`energy_warnings`. What contact impulses created is no doubt where the user accepts it. ``passive``: dampers
-    and bodies only take energy, which those of a user's own system need not.
+    and bodies only take energy, which those of a user's own system need not. ``growth`` [J]: the part of that of the
+    energies that is certain; None: all.
     """
     if not np.isfinite(energies.remainder).all():
         return ()
@@ -265,7 +267,7 @@ def energy_doubts(
     found = []
     fed = max(0.0, -float(np.min(energies.damping, initial=0.0))) if passive else 0.0
     for value, what in (
-        (energies.growth, f"{GREW} {{}} without work of loads"),
+        (energies.growth if growth is None else growth, f"{GREW} {{}} without work of loads"),
         (energies.given_back, f"contact{GAVE} {{}}"),
         (fed, f"damping{GAVE} {{}}"),
     ):

@@ -1,4 +1,4 @@
-"""Energy that a result does not explain, where that is to be expected of it."""
+"""Energy that a result does not explain, and that grew, apart from what touches of few steps make of it."""
 
 from __future__ import annotations
 
@@ -11,9 +11,13 @@ from lcpflex.force_laws.history import ENOUGH
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from lcpflex.jit.kernel import FloatArray
+    from lcpflex.results.energy_balance import Energies
     from lcpflex.results.result import Result
 
-__all__ = ["unexplained_energy"]
+    Flags = NDArray[np.bool_]
+
+__all__ = ["certain_growth", "unexplained_energy"]
 
 
 def unexplained_energy(result: Result) -> tuple[float, float]:
@@ -24,7 +28,8 @@ def unexplained_energy(result: Result) -> tuple[float, float]:
     the result tells by itself.
     """
     energies = result.energies
-    remainder = energies.remainder[~_in_coarse_touches(result)]
+    coarse = np.isin(result.contact_names, result.coarse)
+    remainder = energies.remainder[~_in_coarse_touches(result.times, result.force, coarse, result.steps)]
     if not remainder.size:
         return 0.0, 0.0
     largest = float(remainder[np.argmax(np.abs(remainder))])  # the first NaN, if there is one
@@ -33,15 +38,24 @@ def unexplained_energy(result: Result) -> tuple[float, float]:
     return largest, abs(largest) / energies.scale if energies.scale > 0.0 else float("inf")
 
 
-def _in_coarse_touches(result: Result) -> NDArray[np.bool_]:
-    """Which of the m instants are in a touch that takes less than ENOUGH steps, of a contact that is told to."""
-    within = np.zeros(len(result.times), dtype=bool)
-    laws = np.flatnonzero(np.isin(result.contact_names, result.coarse))
-    longest = ENOUGH * float(result.times[-1] - result.times[0]) / max(result.steps, 1) if laws.size else 0.0
-    for law in laws.tolist():
-        pressed = result.force[:, law, 0] > 0.0
+def certain_growth(energies: Energies, times: FloatArray, force: FloatArray, coarse: Flags, steps: int) -> float:
+    """Growth of the stored energy [J] outside touches of few of so many steps, of contacts that are ``coarse``."""
+    own = energies.stored - energies.work
+    outside = own[~_in_coarse_touches(times, force, coarse, steps)]
+    return max(0.0, float(np.max(outside, initial=own[0]) - own[0]))
+
+
+def _in_coarse_touches(times: FloatArray, force: FloatArray, coarse: Flags, steps: int) -> Flags:
+    """Which of the m instants are in a touch of a ``coarse`` contact that takes less than ENOUGH of so many steps.
+
+    force: (m, contacts, parts), the normal one first.
+    """
+    within = np.zeros(len(times), dtype=bool)
+    longest = ENOUGH * float(times[-1] - times[0]) / max(steps, 1) if len(times) else 0.0
+    for law in np.flatnonzero(coarse).tolist():
+        pressed = force[:, law, 0] > 0.0
         edges = np.diff(np.concatenate([[0], pressed, [0]]).astype(np.int8))
         for first, end in zip(np.flatnonzero(edges > 0).tolist(), np.flatnonzero(edges < 0).tolist(), strict=True):
-            if result.times[end - 1] - result.times[first] < longest:
+            if times[end - 1] - times[first] < longest:
                 within[first:end] = True
     return within

@@ -46,6 +46,12 @@ def collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, c
     held = held_energy(compiled, data["times"], data["impulse"])
     energies = Energies.audit(*(data["energies"][:, i] for i in range(7)))
     controlled = not getattr(run, "fixed_step", 0.0)
+    coarse = tuple(system.names[law] for law in run.records.touches.enough())
+    grown = None
+    if coarse and len(data["times"]):
+        from lcpflex.results.unexplained import certain_growth  # which other runs do without
+
+        grown = certain_growth(energies, data["times"], data["force"], np.isin(names, coarse), run.steps)
     moved = compiled is not None and has_moved(found.model, data["q"], data["u"], compiled.size)
     place_error, speed_error = stated_errors(found.model, run.records, found.rigid, data, run.steps, controlled)
     pressed = np.count_nonzero(data["force"][:, :, 0] > 0.0, axis=0) / max(len(data["times"]), 1)
@@ -86,13 +92,21 @@ def collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, c
         compiled=compiled,
         contact_names=names,
         compliant=run.records.compliant,
-        coarse=tuple(system.names[law] for law in run.records.touches.enough()),
+        coarse=coarse,
         crept=crept(laws, found.model.contacts.friction[: len(laws)], data["times"], state, data["force"]),
         found_wrong=(
             *options.began_wrong,
             *run.records.wrong(),
             *energy_doubts(
-                energies, run.records.gain, options.energy_growth, run.steps, loads, held, compiled is not None, moved
+                energies,
+                run.records.gain,
+                options.energy_growth,
+                run.steps,
+                loads,
+                held,
+                compiled is not None,
+                moved,
+                grown,
             ),
         ),
         notes=(*(compiled.notes if compiled is not None else ()), *options.notes, *run.records.notes),

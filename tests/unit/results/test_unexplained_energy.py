@@ -53,6 +53,16 @@ def test_a_touch_of_few_steps_is_told_as_such_and_not_as_lost_energy(steps, in_s
         assert unexplained(replace(result, coarse=())) or record
 
 
+def test_energy_that_grows_and_goes_within_a_touch_is_no_doubt():
+    """More than 2 % of it; what such a touch leaves behind is one."""
+    result = bounced(False, lf.MoreauJean(step=TIME / 7.0), 0)
+    assert result.energies.growth > 0.02 * result.energies.scale
+    assert any("energy grew" in text for text in result.warnings)
+    assert not doubts(result)
+    left = bounced(False, lf.MoreauJean(step=TIME / 7.4), 0)
+    assert any("energy grew" in text for text in left.found_wrong)
+
+
 def test_what_a_touch_leaves_behind_is_in_doubt(tmp_path):
     result = bounced(False, lf.MoreauJean(step=TIME / 8.1), 0)
     behind = result.times > result.times[np.flatnonzero(result.force[:, 0, 0])[-1]]
