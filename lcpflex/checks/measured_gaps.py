@@ -66,6 +66,7 @@ class GapsOfScene:
         self._ndof = int(self._model.bodies.dof[-1])
         self._units = Units(compiled.model, self._ndof)
         self._bodies: dict[Hashable, tuple[int, int]] = {}
+        self._way = self._moved = np.zeros(0)  # the last change that was asked for, and what bodies move by it
         self.size = compiled.size
         self.noise = ROUNDING * self.size
 
@@ -101,8 +102,10 @@ class GapsOfScene:
 
     def bound(self, key: Hashable, a: FloatArray, b: FloatArray) -> float:
         """How far the points of its two bodies move at most, in all."""
-        moved = self._units.of(self.change(a, b))
-        return float(sum(moved[body] for body in self._bodies[key] if body >= 0))
+        way = self.change(a, b)
+        if not np.array_equal(way, self._way):  # all contacts are asked for, one after the other
+            self._way, self._moved = way, self._units.of(way)
+        return float(sum(self._moved[body] for body in self._bodies[key] if body >= 0))
 
     def name(self, key: Hashable) -> str:
         """A contact and its bodies."""
