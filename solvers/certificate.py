@@ -19,6 +19,7 @@ __all__ = [
     "measured",
     "natural_residual",
     "own_load",
+    "own_share",
     "residual_parts",
     "row_parts",
     "strict_residual",
@@ -32,6 +33,8 @@ __all__ = [
 GUARD = 1e-6  # a residual above this fraction of |q| is judged against |q| itself: see guarded_residual
 WEDGED = 0.1  # a residual, or rounding, above this fraction of |q| leaves nothing of an answer: see terms_residual
 ROUNDING = 2.2e-16  # of one operation, relative
+OWN = 1e3  # tolerances: what steppers may leave of the own load of a contact
+ROUNDED = 4.0  # roundings of the terms of a contact: what is left below that is 0
 SYMMETRY = 1e-10  # largest |M - M^T| of a symmetric matrix, relative to max|M|
 
 
@@ -173,6 +176,14 @@ def measured(miss: float, terms: float, load: float, all_else: float) -> tuple[f
     size = max(terms, own)
     known = max(miss, ROUNDING * terms)  # w is not known any better
     return guarded_residual(miss, size, own), strict_residual(miss, own), terms_residual(known, size, own)
+
+
+@kernel
+def own_share(miss: float, terms: float, load: float, all_else: float) -> float:
+    """What is left of the own load of a contact beyond rounding; all as in :func:`measured`."""
+    if miss <= ROUNDED * ROUNDING * terms:
+        return 0.0
+    return measured(miss, terms, load, all_else)[1]
 
 
 @kernel

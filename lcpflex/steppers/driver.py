@@ -22,10 +22,12 @@ from lcpflex.solvers.contact.compiled import solve_contacts
 from lcpflex.solvers.contact.memory import ContactData, SolverMemory
 from lcpflex.solvers.contact.methods import AUTO, METHODS
 from lcpflex.solvers.contact.posed import (
+    lagging,
     measured,
     posed_lcp,
     posed_problem,
     put_solution,
+    put_tried,
     put_wedged,
     take_solution,
     tried_point,
@@ -196,19 +198,26 @@ class Rescue:
         island = int(work.islands.next)
         times = self._times[island]
         self._times[island] += 1
-        if times > MOST_RESCUES:
-            return False
         data, memory = work.problem, work.solver
+        enough = lagging(memory)  # what was found will do where nothing is better
+        if times > MOST_RESCUES and not enough:
+            return False
         points = [tried_point(memory)]
-        if type(self._solver) is Auto:
+        if type(self._solver) is Auto and times <= MOST_RESCUES:
             solution = self._attempt(posed_problem(data, memory))
             if solution is not None:
                 # what fractions know to be solved, floats may refuse: once they have, it is not told to them again
                 whole = guarded_residual(*measured(data, memory, solution.z)[0]) <= self._tolerance
                 if whole or (times == 0 and solution.residual <= self._tolerance):
+                    if enough and not solution.solved:
+                        self._wedged.note_light(data, memory, at)
                     put_solution(data, memory, solution)
                     return True
                 points.append(solution.z)
+        if enough:
+            self._wedged.note_light(data, memory, at)
+            put_tried(memory)
+            return True
         best = self._wedged.best(data, memory, points, self._tolerance)
         if best is None:
             return False

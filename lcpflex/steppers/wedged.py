@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.certificate import ROUNDING, strict_residual, terms_residual
@@ -42,9 +43,17 @@ class Wedged:
 
     def note(self, data: ContactData, at: float) -> None:
         """Count the problem of the step or instant that begins at time ``at`` [s]."""
+        self._count({int(law) for law in data.pair[: data.n_contacts]}, at)
+
+    def note_light(self, data: ContactData, memory: Any, at: float) -> None:
+        """The same, where what was found is right as a whole; named is the contact that has most of its load left."""
+        self.strict, self.terms = max(self.strict, memory.missed), max(self.terms, memory.residual)
+        self._count({int(data.pair[memory.behind])}, at)
+
+    def _count(self, laws: set[int], at: float) -> None:
         if self.count == 0:
             self.first = at
-            self.laws = sorted({int(law) for law in data.pair[: data.n_contacts]})
+            self.laws = sorted(laws)
         if at != self.last:
             self.count, self.last = self.count + 1, at
 

@@ -16,11 +16,13 @@ from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.problem import Lcp, Solution
 
 __all__ = [
+    "lagging",
     "measured",
     "own_pull",
     "posed_lcp",
     "posed_problem",
     "put_solution",
+    "put_tried",
     "put_wedged",
     "take_solution",
     "tried_point",
@@ -95,6 +97,18 @@ def put_wedged(memory: SolverMemory, z: FloatArray) -> None:
     """Leave there the best point that could be found of wedged bodies, for when the problem is posed again."""
     memory.z[: len(z)] = z
     memory.known = WEDGED_KNOWN
+
+
+@in_space("lcpflex.solvers.contact.cones.posed")
+def lagging(memory: SolverMemory) -> bool:
+    """Whether the last solve came to a point that is right as a whole, but not by the own load of some contact."""
+    return False  # pivoting comes to rounding in all rows alike
+
+
+@in_space("lcpflex.solvers.contact.cones.posed")
+def put_tried(memory: SolverMemory) -> None:
+    """Take the point that the last solve came to as the solution, for when the problem is posed again."""
+    memory.known = SOLUTION_KNOWN
 
 
 @in_space("lcpflex.solvers.contact.cones.posed")

@@ -9,12 +9,24 @@ from __future__ import annotations
 
 import numpy as np
 
+from lcpflex.dynamics.spatial.contact_problem import load_of
 from lcpflex.dynamics.spatial.delassus import push, speeds
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import kernel
-from lcpflex.solvers.certificate import guarded_residual, strict_residual
+from lcpflex.solvers.certificate import guarded_residual, own_share, strict_residual
 from lcpflex.solvers.contact.cones.certificate import natural_miss
-from lcpflex.solvers.contact.cones.dense import CRAWLING, LOOK, POLISH, POLISHED, SLIDING, is_settled, note_polish
+from lcpflex.solvers.contact.cones.dense import (
+    CRAWLING,
+    LOOK,
+    POLISH,
+    POLISHED,
+    SLIDING,
+    is_good,
+    is_settled,
+    lags,
+    left_over,
+    note_polish,
+)
 from lcpflex.solvers.contact.cones.local import NONE, solve_cone
 
 __all__ = ["judge_island", "sweep_island"]
@@ -33,7 +45,7 @@ def judge_island(work: SpatialWork, i: int) -> None:
         r, s = n_joint + contact[first + c], tangent[c]
         if p[r] != 0.0:
             push(solved, row_body, dof, r, s, p[r], p[s] if s >= 0 else 0.0, p[s + 1] if s >= 0 else 0.0, x)
-    worst, terms, speed = 0.0, 0.0, 0.0
+    worst, terms, speed, missed = 0.0, 0.0, 0.0, 0.0
     for c in range(last - first):
         k = contact[first + c]
         r, s = n_joint + k, tangent[c]
@@ -41,18 +53,21 @@ def judge_island(work: SpatialWork, i: int) -> None:
         f, f1, f2, rough = p[r], 0.0, 0.0, 0.0
         if s >= 0:
             f1, f2, rough = p[s], p[s + 1], mu[k]
-        worst = max(worst, natural_miss(f, f1, f2, u, u1, u2, rough, unit[c]))
-        terms = max(terms, unit[c] * (abs(free[r]) + own[c, 0] * f + abs(own[c, 1] * f1) + abs(own[c, 2] * f2)))
+        miss = natural_miss(f, f1, f2, u, u1, u2, rough, unit[c])
+        size = abs(free[r]) + own[c, 0] * f + abs(own[c, 1] * f1) + abs(own[c, 2] * f2)
+        worst, terms = max(worst, miss), max(terms, unit[c] * size)
+        size += abs(u - free[r])  # and what its neighbours do to it
+        missed = max(missed, own_share(miss, unit[c] * size, load_of(work, c, r, s), memory.load))
         if f > 0.0:
             speed = max(speed, unit[c] * (abs(u1) + abs(u2)))
     terms = max(terms, memory.load)
     memory.sliding = 1 if speed > SLIDING * memory.load else 0
-    memory.worst, memory.terms = worst, terms
+    memory.worst, memory.terms, memory.missed = worst, terms, missed
     if worst < np.inf and memory.load < np.inf:
         memory.residual = guarded_residual(worst, terms, memory.load)
         memory.strict = strict_residual(worst, memory.load)
     else:
-        memory.residual, memory.strict = np.inf, np.inf
+        memory.residual, memory.strict, memory.missed = np.inf, np.inf, np.inf
 
 
 @kernel
@@ -99,21 +114,22 @@ def sweep_island(work: SpatialWork, i: int, most: float, patient: bool) -> bool:
     memory = work.solver
     tolerance = memory.tolerance
     judge_island(work, i)
-    rested = memory.residual <= tolerance
+    rested = is_good(memory)
     polished = 0
     while memory.iterations < most:
-        if memory.residual <= tolerance:
+        if is_good(memory):
             if memory.sliding == 1 or polished >= POLISH or is_settled(memory):
                 break
             polished += LOOK
-        before = memory.worst
+        lagging = lags(memory)
+        before = left_over(memory, lagging)
         goal = POLISHED * memory.load if memory.residual <= tolerance else 0.1 * tolerance * memory.load
         for _ in range(LOOK):
             memory.iterations += 1.0
             if sweep(work, i) <= goal:
                 break
         judge_island(work, i)
-        if memory.worst > CRAWLING * before and not patient:
+        if left_over(memory, lagging) > CRAWLING * before and not patient:
             break
     note_polish(memory, rested and polished > 0)
-    return bool(memory.residual <= tolerance)
+    return is_good(memory)

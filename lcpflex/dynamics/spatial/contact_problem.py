@@ -17,6 +17,7 @@ from lcpflex.solvers.balance import DEAD, contact_units
 __all__ = [
     "describe_contacts",
     "describe_island",
+    "load_of",
     "has_joints",
     "lay_contacts",
     "pose_island",
@@ -105,16 +106,24 @@ def describe_island(work: SpatialWork, i: int) -> None:
 def weigh_load(work: SpatialWork, i: int) -> None:
     """``work.solver.load``: the largest free velocity of island i, or what its terms make it worth, in units."""
     memory, contact, n_joint, first = work.solver, work.islands.contact, work.n_joint, work.islands.start[i]
-    free, terms = work.free, work.terms
     load = 0.0
     for c in range(work.islands.start[i + 1] - first):
-        r, s = n_joint + contact[first + c], memory.tangent_row[c]
-        size = max(abs(free[r]), FLOOR * terms[r - n_joint])
-        if s >= 0:
-            size = max(size, max(abs(free[s]), FLOOR * terms[s - n_joint]))
-            size = max(size, max(abs(free[s + 1]), FLOOR * terms[s + 1 - n_joint]))
-        load = max(load, memory.unit[c] * size)
+        load = max(load, load_of(work, c, n_joint + contact[first + c], memory.tangent_row[c]))
     memory.load = load
+
+
+@kernel
+def load_of(work: SpatialWork, c: int, r: int, s: int) -> float:
+    """Free velocity in rows r, s and s + 1 of contact c of an island, or what its terms make it worth, in its unit.
+
+    s < 0: in its normal row alone.
+    """
+    free, terms, n_joint = work.free, work.terms, work.n_joint
+    size = max(abs(free[r]), FLOOR * terms[r - n_joint])
+    if s >= 0:
+        size = max(size, max(abs(free[s]), FLOOR * terms[s - n_joint]))
+        size = max(size, max(abs(free[s + 1]), FLOOR * terms[s + 1 - n_joint]))
+    return float(work.solver.unit[c] * size)
 
 
 @kernel

@@ -19,7 +19,7 @@ from lcpflex.dynamics.spatial.delassus import push, speeds
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.least_cones import way_in_cone
 from lcpflex.jit.kernel import kernel, late_kernel
-from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, newton_on, sweep_on, weigh_forces
+from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, is_good, newton_on, sweep_on, weigh_forces
 from lcpflex.solvers.contact.cones.memory import OF_A_PAIR
 from lcpflex.solvers.contact.cones.shares import MATTERS, NEEDED, SLIPS, TOUCHING, at_edge, share_out
 
@@ -261,14 +261,14 @@ def judge_forces(work: SpatialWork, i: int, posed: bool, mend: bool) -> bool:
     memory = work.solver
     if not posed:
         judge_island(work, i)
-        if memory.residual > memory.tolerance and mend:
+        if not is_good(memory) and mend:
             return sweep_island(work, i, memory.iterations + FIRST_SWEEPS, False)
-        return bool(memory.residual <= memory.tolerance)
+        return is_good(memory)
     part = work.part
     for r in range(3 * work.problem.n_contacts):
         memory.force[r] = work.p[work.n_joint + part[r]] if part[r] >= 0 else 0.0
     weigh_forces(work.problem, memory)
-    if memory.residual > memory.tolerance and mend:
+    if not is_good(memory) and mend:
         good = sweep_on(work.problem, memory, memory.iterations + FIRST_SWEEPS, False) or newton_on(
             work.problem, memory
         )
@@ -276,7 +276,7 @@ def judge_forces(work: SpatialWork, i: int, posed: bool, mend: bool) -> bool:
             if part[r] >= 0:
                 work.p[work.n_joint + part[r]] = memory.force[r]
         return good
-    return bool(memory.residual <= memory.tolerance)
+    return is_good(memory)
 
 
 @late_kernel

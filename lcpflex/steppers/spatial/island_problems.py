@@ -18,7 +18,7 @@ from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.least_cones import shorten_island
 from lcpflex.dynamics.spatial.shared_loads import judge_forces, put_forces, share_loads, shares_in_joints
 from lcpflex.jit.kernel import kernel, late_kernel
-from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, solve_cones
+from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, is_good, lags, solve_cones
 from lcpflex.solvers.contact.cones.large.solving import ROOM, solve_large_cones
 from lcpflex.solvers.contact.cones.memory import NOTHING_KNOWN, POSED
 from lcpflex.solvers.contact.cones.recollection import keep_force, known_force
@@ -142,7 +142,10 @@ def solve_large(work: SpatialWork, i: int, warm: bool) -> int:
         return RunStatus.DONE if status == SOLVED else RunStatus.SOLVER_FAILED
     describe_island(work, i)
     judge_island(work, i)
-    return RunStatus.DONE if memory.residual <= memory.tolerance else RunStatus.SOLVER_FAILED
+    if lags(memory):
+        sweep_island(work, i, memory.iterations + FIRST_SWEEPS, False)
+    enough = is_good(memory) or (n > LAST_WORD and lags(memory))
+    return RunStatus.DONE if enough else RunStatus.SOLVER_FAILED
 
 
 @kernel

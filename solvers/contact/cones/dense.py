@@ -11,8 +11,16 @@ import numpy as np
 
 from lcpflex.jit.kernel import kernel
 from lcpflex.solvers.balance import DEAD, contact_units
-from lcpflex.solvers.certificate import ROUNDING, guarded_residual, strict_residual, terms_residual
-from lcpflex.solvers.contact.cones.certificate import cone_parts
+from lcpflex.solvers.certificate import (
+    OWN,
+    ROUNDED,
+    ROUNDING,
+    guarded_residual,
+    own_share,
+    strict_residual,
+    terms_residual,
+)
+from lcpflex.solvers.contact.cones.certificate import contact_parts
 from lcpflex.solvers.contact.cones.local import NONE, solve_cone
 from lcpflex.solvers.contact.cones.memory import (
     NOTHING_KNOWN,
@@ -32,7 +40,10 @@ __all__ = [
     "SETTLED",
     "SLIDING",
     "SWEEPS",
+    "is_good",
     "is_settled",
+    "lags",
+    "left_over",
     "newton_on",
     "solve_cones",
     "sweep_on",
@@ -40,7 +51,7 @@ __all__ = [
 ]
 
 FLOOR = 1e-3  # of the terms of which free velocities are made: less of them is no measure of a residual
-SETTLED, ROUNDED = 5e-14, 4.0  # what is left where nothing creeps: of the free velocities, and roundings of the terms
+SETTLED = 5e-14  # of the free velocities: what is left where nothing creeps, unless it is rounding of the terms
 POLISHED = 3e-16  # sweeps that are made end there: those of the next step, which is like this one, are spared
 SLIDING = 1e-6  # of the free velocities: a contact that slips by more is no resting one
 LOOK = 8  # sweeps between two judgements
@@ -49,6 +60,27 @@ SYSTEMS, PROXIMAL_SYSTEMS = 40, 400  # that Newton's method solves, and proximal
 EXACT, PROXIMAL = 1e-15, 0.1  # of Alart and Curnier's function; of the tolerance
 POLISH = 40  # at most beyond the tolerance
 CRAWLING = 0.7  # of the residual left by LOOK sweeps: too much to go on for its sake
+
+
+@kernel
+def is_good(memory: SpatialSolverMemory) -> bool:
+    """Whether the present point is within the tolerance as a whole, and near it by the own load of each contact.
+
+    A light body beside heavy ones is nothing in the residual of the whole, and goes astray where that alone counts.
+    """
+    return bool(memory.residual <= memory.tolerance and memory.missed <= OWN * memory.tolerance)
+
+
+@kernel
+def lags(memory: SpatialSolverMemory) -> bool:
+    """Whether the present point is within the tolerance as a whole, and some contact is not."""
+    return bool(memory.residual <= memory.tolerance and not is_good(memory))
+
+
+@kernel
+def left_over(memory: SpatialSolverMemory, lagging: bool) -> float:
+    """What is to become less: what is left of the whole, or where contacts are ``lagging``, of their own loads."""
+    return memory.missed if lagging else memory.worst
 
 
 @kernel
@@ -73,9 +105,18 @@ def describe(data: SpatialContactData, memory: SpatialSolverMemory) -> None:
         unit[k] = max(own[k, 0], max(own[k, 3], own[k, 5]))
     contact_units(unit, n, DEAD)
     load = 0.0
-    for r in range(3 * n):
-        load = max(load, unit[r // 3] * max(abs(data.free[r]), FLOOR * data.terms[r]))
+    for k in range(n):
+        load = max(load, load_of(data, memory, k))
     memory.load = load
+
+
+@kernel
+def load_of(data: SpatialContactData, memory: SpatialSolverMemory, k: int) -> float:
+    """The free velocity of contact k in its unit, or what its terms make it worth."""
+    load = 0.0
+    for r in range(3 * k, 3 * k + 3):
+        load = max(load, memory.unit[k] * max(abs(data.free[r]), FLOOR * data.terms[r]))
+    return load
 
 
 @kernel
@@ -90,8 +131,14 @@ def weigh_forces(data: SpatialContactData, memory: SpatialSolverMemory) -> None:
             total += part
             size += abs(part)
         velocity[r], sums[r] = total, size
-    worst, terms, _ = cone_parts(force, velocity, sums, free, data.friction, memory.unit, n)
-    memory.worst, memory.terms = worst, terms
+    worst, terms, missed = 0.0, 0.0, 0.0
+    for k in range(n):
+        miss, size, _ = contact_parts(force, velocity, sums, free, data.friction, memory.unit, k)
+        worst, terms = max(worst, miss), max(terms, size)
+        share = own_share(miss, size, load_of(data, memory, k), memory.load)
+        if share > missed:
+            missed, memory.behind = share, k
+    memory.worst, memory.terms, memory.missed = worst, terms, missed
     speed = 0.0
     for k in range(n):
         if force[3 * k] > 0.0:
@@ -101,7 +148,7 @@ def weigh_forces(data: SpatialContactData, memory: SpatialSolverMemory) -> None:
         memory.residual = guarded_residual(worst, max(terms, memory.load), memory.load)
         memory.strict = strict_residual(worst, memory.load)
     else:
-        memory.residual, memory.strict = np.inf, np.inf
+        memory.residual, memory.strict, memory.missed = np.inf, np.inf, np.inf
 
 
 @kernel
@@ -144,23 +191,24 @@ def sweep(data: SpatialContactData, memory: SpatialSolverMemory) -> float:
 def sweep_on(data: SpatialContactData, memory: SpatialSolverMemory, most: float, patient: bool) -> bool:
     """Sweeps until the forces are good enough, ``most`` in all, fewer where they crawl and one is not ``patient``."""
     polished, tolerance = 0, memory.tolerance
-    rested = memory.residual <= tolerance
+    rested = is_good(memory)
     while memory.iterations < most:
-        if memory.residual <= tolerance:
+        if is_good(memory):
             if memory.sliding == 1 or polished >= POLISH or is_settled(memory):
                 break
             polished += LOOK
-        before = memory.worst
+        lagging = lags(memory)
+        before = left_over(memory, lagging)
         goal = POLISHED * memory.load if memory.residual <= tolerance else 0.1 * tolerance * memory.load
         for _ in range(LOOK):
             memory.iterations += 1.0
             if sweep(data, memory) <= goal:
                 break
         weigh_forces(data, memory)
-        if memory.worst > CRAWLING * before and not patient:
+        if left_over(memory, lagging) > CRAWLING * before and not patient:
             break
     note_polish(memory, rested and polished > 0)
-    return bool(memory.residual <= tolerance)
+    return is_good(memory)
 
 
 @kernel
@@ -183,7 +231,8 @@ def newton_on(data: SpatialContactData, memory: SpatialSolverMemory) -> bool:
         for s in range(3 * n):
             W[r, s] = own * unit[s // 3] * G[r, s]
     for way in range(2):
-        before = memory.worst
+        lagging = lags(memory)
+        before = left_over(memory, lagging)
         for r in range(3 * n):
             force[r] = memory.force[r] / unit[r // 3]
             memory.aside[r] = memory.force[r]
@@ -195,11 +244,11 @@ def newton_on(data: SpatialContactData, memory: SpatialSolverMemory) -> bool:
         for r in range(3 * n):
             memory.force[r] = unit[r // 3] * force[r]
         weigh_forces(data, memory)
-        if not memory.worst <= before:
+        if not (left_over(memory, lagging) <= before and (lags(memory) or is_good(memory) or not lagging)):
             for r in range(3 * n):
                 memory.force[r] = memory.aside[r]
             weigh_forces(data, memory)
-        if memory.residual <= memory.tolerance:
+        if is_good(memory):
             return True
     return False
 

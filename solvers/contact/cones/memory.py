@@ -65,6 +65,8 @@ class SpatialSolverMemory:
     size: int
     residual: float  # in units of the contacts
     strict: float  # relative to the free velocity alone
+    missed: float  # the largest part of its own load that is left of a contact
+    behind: int  # that contact
     iterations: float
     tolerance: float  # of the residual
     load: float  # size of the free velocities

@@ -8,6 +8,7 @@ import numpy as np
 
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.contact.cones.dense import lags
 from lcpflex.solvers.contact.cones.memory import (
     SOLUTION_KNOWN,
     WEDGED_KNOWN,
@@ -19,10 +20,12 @@ from lcpflex.solvers.problem import Solution
 from lcpflex.solvers.refusals import NO_LCP
 
 __all__ = [
+    "lagging",
     "measured",
     "posed_lcp",
     "posed_problem",
     "put_solution",
+    "put_tried",
     "put_wedged",
     "take_solution",
     "tried_point",
@@ -62,6 +65,16 @@ def put_wedged(memory: SpatialSolverMemory, z: FloatArray) -> None:
     """Leave there the best forces that could be found of wedged bodies, for when the problem is posed again."""
     memory.force[: len(z)] = z
     memory.known = WEDGED_KNOWN
+
+
+def lagging(memory: SpatialSolverMemory) -> bool:
+    """Whether the last solve came to forces that are right as a whole, but not by the own load of some contact."""
+    return lags(memory)
+
+
+def put_tried(memory: SpatialSolverMemory) -> None:
+    """Take the forces that the last solve came to as the solution, for when the problem is posed again."""
+    memory.known = SOLUTION_KNOWN
 
 
 def put_solution(data: SpatialContactData, memory: SpatialSolverMemory, solution: Solution) -> None:
