@@ -48,14 +48,20 @@ def certain_growth(energies: Energies, times: FloatArray, force: FloatArray, coa
 def _in_coarse_touches(times: FloatArray, force: FloatArray, coarse: Flags, steps: int) -> Flags:
     """Which of the m instants are in a touch of a ``coarse`` contact that takes less than ENOUGH of so many steps.
 
-    force: (m, contacts, parts), the normal one first.
+    Touches that follow each other without an instant between them are one: what stays unexplained through a motion
+    from one spring to another comes and goes with none of them. force: (m, contacts, parts), the normal one first.
     """
     within = np.zeros(len(times), dtype=bool)
     longest = ENOUGH * float(times[-1] - times[0]) / max(steps, 1) if len(times) else 0.0
     for law in np.flatnonzero(coarse).tolist():
-        pressed = force[:, law, 0] > 0.0
-        edges = np.diff(np.concatenate([[0], pressed, [0]]).astype(np.int8))
-        for first, end in zip(np.flatnonzero(edges > 0).tolist(), np.flatnonzero(edges < 0).tolist(), strict=True):
-            if times[end - 1] - times[first] < longest:
-                within[first:end] = True
-    return within
+        within |= _short(times, force[:, law, 0] > 0.0, longest)
+    return _short(times, within, longest)
+
+
+def _short(times: FloatArray, flags: Flags, longest: float) -> Flags:
+    """The ``flags`` of those runs of them that take less than ``longest`` [s]."""
+    short = np.zeros(len(times), dtype=bool)
+    edges = np.diff(np.concatenate([[0], flags, [0]]).astype(np.int8))
+    for first, end in zip(np.flatnonzero(edges > 0).tolist(), np.flatnonzero(edges < 0).tolist(), strict=True):
+        short[first:end] = times[end - 1] - times[first] < longest
+    return short

@@ -84,6 +84,20 @@ def test_a_long_touch_is_no_excuse():
     assert unexplained(replace(result, force=force))
 
 
+def test_touches_without_a_break_are_no_excuse():
+    """Between two springs that a disc just fits between one presses always: its whole motion would be excused."""
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    disc = scene.add(lf.Disc(0.05, mass=1.0), velocity=(1.0, 0.0))
+    for side in (-1.0, 1.0):
+        wall = scene.ground.half_plane((0.05 * side, 0.0), (-side, 0.0))
+        scene.contact(disc.surface(), wall, law=lf.Penalty((math.pi / TIME) ** 2), name=f"spring{side}")
+    for step, off in ((TIME / 8.1, True), (TIME / 25.0, False)):
+        result = lf.simulate(scene, 0.05, lf.MoreauJean(step=step), record=0, progress=False)
+        assert (result.energies.relative_remainder > 0.02) == off
+        assert unexplained_energy(result)[1] == result.energies.relative_remainder
+        assert bool(unexplained(result)) == off
+
+
 def test_touches_of_enough_steps_are_no_excuse_and_need_none():
     result = bounced(False, lf.MoreauJean(step=TIME / 25.0), 0)
     assert result.coarse == ()
