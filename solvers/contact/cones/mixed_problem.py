@@ -32,7 +32,7 @@ LOOK_BACK = 4  # residuals that a step may come up to again
 
 @struct
 class MixedProblem:
-    """A problem, its solution and what is needed on the way; rows: three times as many as contacts."""
+    """A problem, its solution and what is needed on the way; rows: three times as many as contacts, and one."""
 
     n: int  # contacts
     m: int  # unknowns
@@ -64,8 +64,8 @@ class MixedProblem:
 
 
 def mixed_problem(contacts: int) -> MixedProblem:
-    """Room for so many contacts."""
-    return allocate(MixedProblem, {"contacts": contacts, "rows": 3 * contacts})
+    """Room for so many contacts, and for the reserve of all their forces, where nothing determines any of them."""
+    return allocate(MixedProblem, {"contacts": contacts, "rows": 3 * contacts + 1})
 
 
 @kernel
