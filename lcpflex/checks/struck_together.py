@@ -45,7 +45,8 @@ def struck_together(result: Result) -> tuple[str, ...]:
         return ()
     laws = gap.shape[1]
     pushed = np.diff(result.impulse[:, :laws, 0], axis=0) > 0.0
-    together = (before(gap)[rows] <= closed) | (pushed[rows] & (np.abs(gap[rows] - gap[rows, cols][:, None]) <= closed))
+    own = np.where(np.isfinite(gap[rows, cols]), gap[rows, cols], np.nan)[:, None]  # too far off then to be measured
+    together = (before(gap)[rows] <= closed) | (pushed[rows] & (np.abs(gap[rows] - own) <= closed))
     rigid = ~np.isin(result.contact_names, result.compliant)
     together &= neighbours(bodies_of_laws(compiled.model, laws))[cols] & rigid
     found = np.flatnonzero(together.any(axis=1))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 import lcpflex as lf
@@ -82,3 +83,16 @@ def test_a_note_is_no_warning() -> None:
     assert notes(result)
     assert not result.warnings
     assert "NOT" not in result.summary()
+
+
+def test_bodies_that_are_too_far_off_to_be_measured_are_no_case() -> None:
+    """Two instants alone are stored, and from the first on both boxes are out of reach: no gap is told of them."""
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    ball = scene.add(lf.Sphere(0.05, mass=1.0), velocity=(5.0, 0.0, 0.0))
+    for x in (2.0, 4.0):
+        box = scene.add(lf.Cuboid(0.1, 0.1, 0.1, mass=1.0), position=(x, 0.0, 0.0))
+        scene.contact(ball.surface(), box.surface(), restitution=0.5)
+    result = lf.simulate(scene, 0.6, lf.MoreauJean(step=1e-3), record=0.6, progress=False)
+    assert result.impulse[-1, 0, 0] > 0.0
+    assert np.isnan(result.gap).all()
+    assert not notes(result)
