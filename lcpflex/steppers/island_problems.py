@@ -21,13 +21,14 @@ from lcpflex.jit.kernel import kernel, late_kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.solvers.contact.compiled import solve_contacts
 from lcpflex.solvers.contact.large.fronts import lacks_room
+from lcpflex.solvers.contact.large.judging import lags
 from lcpflex.solvers.contact.large.least import least_impulses
 from lcpflex.solvers.contact.large.solving import ROOM, solve_large, take_impulses
 from lcpflex.solvers.contact.least_forces import least_forces
 from lcpflex.solvers.contact.recollection import recall_basis, remember_basis, remember_forces, turn_over
 from lcpflex.solvers.status import SOLVED
 from lcpflex.steppers.doubtful import keep_doubtful
-from lcpflex.steppers.recorder import Recorder, note_certificate, note_large
+from lcpflex.steppers.recorder import Recorder, note_certificate, note_lagging, note_large
 from lcpflex.steppers.status import RunStatus
 
 __all__ = ["shorten_forces", "solve_island", "solve_islands", "tell_island"]
@@ -75,7 +76,8 @@ def solve_large_island(work: Workspace, i: int, tolerance: float, last: bool, re
 
     GROW also where a start is to be sought, see :mod:`lcpflex.steppers.cold_islands`.
 
-    Where they are not too many, and not found in this way, the dense problem has the last word. last: as of
+    Where they are not too many, and not found in this way, the dense problem has the last word. What is right as a
+    whole, but not by the own load of each contact, will do where nothing is better, and is noted. last: as of
     :func:`solve_islands`.
     """
     large, solver = work.large, work.large_solver
@@ -92,10 +94,15 @@ def solve_large_island(work: Workspace, i: int, tolerance: float, last: bool, re
         restore_free(work)
     if status == ROOM:
         return RunStatus.GROW
-    if status != SOLVED:
-        if large.n_contacts <= LAST_WORD:
-            warm = last
-            return solve_dense_island(work, i, tolerance, warm, last, recorder)
+    lagging = lags(solver)
+    if status != SOLVED and large.n_contacts <= LAST_WORD:
+        warm = last
+        dense = solve_dense_island(work, i, tolerance, warm, last, recorder)
+        if dense != RunStatus.SOLVER_FAILED or not lagging:
+            return dense
+    if lagging:
+        note_lagging(work, recorder)
+    elif status != SOLVED:
         if cold and large.n_joints == 0:
             work.wants_start = 1
             return RunStatus.GROW
@@ -104,7 +111,7 @@ def solve_large_island(work: Workspace, i: int, tolerance: float, last: bool, re
             return RunStatus.SOLVER_FAILED
         work.unsolved += 1
     work.has_start = 0
-    note_large(work, status != SOLVED, recorder)
+    note_large(work, status != SOLVED and not lagging, recorder)
     tell_island(work, i)
     if last:
         remember_forces(large, work.table.key, work.n_joint, work.remembered)

@@ -36,6 +36,7 @@ __all__ = [
     "note_compliant",
     "note_contact",
     "note_gain",
+    "note_lagging",
     "note_large",
     "friction_state",
     "store_contacts",
@@ -67,6 +68,9 @@ class Counts:
     worst_unsolved: float  # largest residual of them
     worst_unsolved_strict: float  # and relative to the free velocity alone
     typical_unsolved: float  # sum of the logarithms of these
+    lagging: float  # large islands that were solved as a whole, but not by the own load of each contact
+    worst_lag: float  # largest part of its own load that is left of a contact
+    lag_law: float  # the declared contact that it is one of
     gained: float  # energy created by contact impulses [J]
     largest_gain: float  # at once [J]
     gain_time: float  # of the largest one [s]
@@ -300,6 +304,16 @@ def note_large(work: Workspace, failed: bool, recorder: Recorder) -> None:
         counts.worst_unsolved = max(counts.worst_unsolved, solver.residual)
         counts.worst_unsolved_strict = max(counts.worst_unsolved_strict, solver.strict)
         counts.typical_unsolved += math.log(max(solver.strict, 1e-300))
+
+
+@kernel
+def note_lagging(work: Workspace, recorder: Recorder) -> None:
+    """Count the large problem just solved, and keep the contact that has most of its own load left."""
+    counts, solver = recorder.counts, work.large_solver
+    counts.lagging += 1.0
+    if solver.missed > counts.worst_lag:
+        counts.worst_lag = solver.missed
+        counts.lag_law = work.table.law[work.large.normal_row[solver.behind] - work.n_joint]
 
 
 @kernel

@@ -25,7 +25,7 @@ from lcpflex.steppers.shared_loads import shared_loads
 from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.step_error import carried
 from lcpflex.steppers.system import System
-from lcpflex.steppers.unsolved import unsolved_large, unsolved_remarks
+from lcpflex.steppers.unsolved import lagging_remarks, unsolved_large, unsolved_remarks
 
 __all__ = ["FIRST_ROOM", "Support", "TimeStepping", "grown"]
 
@@ -162,6 +162,7 @@ class TimeStepping:
             *self._several.remarks(self.work, name),
             *self._rescue.remarks(name),
             *unsolved_remarks(self.records.recorder.counts, steps),
+            *lagging_remarks(self.records.recorder.counts, name),
         ]
 
     def notes(self) -> list[str]:

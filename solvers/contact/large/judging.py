@@ -3,7 +3,8 @@
     r = max_k { |min(q_N, y_N)|, |q_T - clip(q_T - y_T, -mu max(q_N, 0), mu max(q_N, 0))| },  joint rows: |y|
 
 relative to the size of the free velocities (strict) or, with it, of the terms that cancel in y (terms). The residual
-that counts is the second, and below 1e-6 of the free velocities, too (:mod:`lcpflex.solvers.certificate`).
+that counts is the second, and below 1e-6 of the free velocities, too (:mod:`lcpflex.solvers.certificate`). Light bodies
+beside heavy ones are nothing in it: each contact is measured by its own load as well (missed).
 """
 
 from __future__ import annotations
@@ -11,11 +12,21 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.solvers.certificate import guarded_residual, strict_residual, terms_residual
+from lcpflex.solvers.certificate import OWN, guarded_residual, own_share, strict_residual, terms_residual
 from lcpflex.solvers.contact.large.memory import FRICTIONAL, LargeMemory
 from lcpflex.solvers.contact.large.packing import add_impulses, velocities
 
-__all__ = ["absolute_residual", "conclude", "is_enough", "is_exact", "judge", "keep_best", "term_size"]
+__all__ = [
+    "absolute_residual",
+    "conclude",
+    "is_enough",
+    "is_exact",
+    "is_good",
+    "judge",
+    "keep_best",
+    "lags",
+    "term_size",
+]
 
 
 @kernel
@@ -25,16 +36,22 @@ def absolute_residual(memory: LargeMemory, q: FloatArray, y: FloatArray) -> floa
     total = 0.0
     kind, mu = memory.kind, memory.mu
     for k in range(memory.n_units):
-        normal, tangent, along = q[k, 0], q[k, 1], y[k, 1]
-        total += 0.0 * (normal + tangent + y[k, 0] + along)
-        if kind[k] > FRICTIONAL:
-            worst = max(worst, max(abs(y[k, 0]), abs(along)))
-            continue
-        bound = mu[k] * max(normal, 0.0)
-        worst = max(worst, abs(min(normal, y[k, 0])))
-        if kind[k] == FRICTIONAL:
-            worst = max(worst, abs(tangent - min(max(tangent - along, -bound), bound)))
+        normal, tangent, away, along = q[k, 0], q[k, 1], y[k, 0], y[k, 1]
+        total += 0.0 * (normal + tangent + away + along)
+        worst = max(worst, unit_miss(kind[k], mu[k], normal, tangent, away, along))
     return worst if total == 0.0 else np.inf
+
+
+@kernel
+def unit_miss(kind: int, mu: float, normal: float, tangent: float, away: float, along: float) -> float:
+    """What a unit misses of its law, or of standing still, with its two impulses and velocities."""
+    if kind > FRICTIONAL:
+        return max(abs(away), abs(along))
+    miss = abs(min(normal, away))
+    if kind == FRICTIONAL:
+        bound = mu * max(normal, 0.0)
+        miss = max(miss, abs(tangent - min(max(tangent - along, -bound), bound)))
+    return miss
 
 
 @kernel
@@ -101,8 +118,43 @@ def is_enough(memory: LargeMemory) -> bool:
 
 
 @kernel
+def is_good(memory: LargeMemory) -> bool:
+    """Whether the best point, judged by :func:`conclude`, is within the tolerance, near it by the load of each contact.
+
+    Where the rounding of the velocities is a part of the free ones, no residual says anything: it is inf.
+    """
+    return bool(is_enough(memory) and memory.residual < np.inf and memory.missed <= OWN * memory.tolerance)
+
+
+@kernel
+def lags(memory: LargeMemory) -> bool:
+    """Whether the best point is within the tolerance as a whole, and some contact is not."""
+    return bool(memory.missed > OWN * memory.tolerance and is_enough(memory) and memory.residual < np.inf)
+
+
+@kernel
 def conclude(memory: LargeMemory) -> None:
-    """Both sizes of the residual of the best point, its velocities made anew."""
+    """The sizes of the residual of the best point, its velocities made anew."""
     memory.worst = judge(memory, memory.best)
     memory.strict = strict_residual(memory.worst, memory.load)
     memory.residual = terms_residual(memory.worst, term_size(memory, memory.best), memory.load)
+    weigh_shares(memory)
+
+
+@kernel
+def weigh_shares(memory: LargeMemory) -> None:
+    """``missed`` and ``behind`` of the best point, whose velocities are ``y``."""
+    missed, behind, load = 0.0, 0, memory.load
+    free, best, y, W, kind, mu, own = (
+        memory.free, memory.best, memory.y, memory.W, memory.kind, memory.mu, memory.own,
+    )  # fmt: skip
+    for k in range(memory.n_units):
+        if kind[k] <= FRICTIONAL:
+            normal, tangent, away, along = best[k, 0], best[k, 1], y[k, 0], y[k, 1]
+            terms = abs(free[k, 0]) + W[k, 0] * normal + abs(W[k, 2] * tangent)
+            terms += abs(away - free[k, 0])  # and what its neighbours do to it
+            miss = unit_miss(kind[k], mu[k], normal, tangent, away, along)
+            share = own_share(miss, terms, own[k], load)
+            if share > missed:
+                missed, behind = share, k
+    memory.missed, memory.behind = missed, behind

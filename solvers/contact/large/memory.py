@@ -116,6 +116,8 @@ class LargeMemory:
     # what is known of the answer
     residual: float  # relative to the terms
     strict: float  # relative to the free velocity alone
+    missed: float  # the largest part of its own load that is left of a contact
+    behind: int  # that contact
     factors: int
     allowed: int  # factors that the limits come to
     sweeps: int
@@ -138,6 +140,7 @@ class LargeMemory:
     scale: FloatArray = array("units")  # 1 / sqrt(D)
     mu: FloatArray = array("units")
     free: FloatArray = array("units", 2)
+    own: FloatArray = array("units")  # size of the free velocities of each unit
     rows: IntArray = array("units", 2)  # of the scene
     # points
     q: FloatArray = array("units", 2)

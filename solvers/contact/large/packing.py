@@ -34,7 +34,8 @@ def pack(problem: BodyContacts, memory: LargeMemory) -> None:
     contact_units(memory.scale, memory.n_units, DEAD)
     load = 0.0
     for k in range(memory.n_units):
-        load = max(load, scale_unit(problem, memory, k))
+        memory.own[k] = scale_unit(problem, memory, k)
+        load = max(load, memory.own[k])
     memory.load = load
     for b in range(m):
         local[bodies[b]] = -1

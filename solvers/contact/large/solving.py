@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from lcpflex.jit.kernel import kernel
 from lcpflex.solvers.contact.large.fronts import has_room
-from lcpflex.solvers.contact.large.judging import conclude, is_enough, is_exact, judge, keep_best, term_size
+from lcpflex.solvers.contact.large.judging import (
+    conclude,
+    is_enough,
+    is_exact,
+    is_good,
+    judge,
+    keep_best,
+    lags,
+    term_size,
+)
 from lcpflex.solvers.contact.large.memory import BodyContacts, LargeMemory
 from lcpflex.solvers.contact.large.newton import convex_start, proximal_newton
 from lcpflex.solvers.contact.large.ordering import make_pattern
@@ -36,6 +43,7 @@ USUAL = 1e-6  # strict residual of the problem before up to which no better one 
 WEDGED = 1e3  # terms, relative to the free velocities, from which bodies are wedged
 FAR, FOUND = 0.1, 1e-3  # residual of a start from nothing, and the one below which the convex law was of use
 LOOK = 10  # sweeps between two looks at the residual
+SETTLED = 1e-14  # of the free velocities: what may be left where contacts lag, so that those of the next step do not
 
 
 @kernel
@@ -157,6 +165,26 @@ def find(memory: LargeMemory) -> int:
 
 
 @kernel
+def serve_lagging(memory: LargeMemory) -> bool:
+    """Newton's method to rounding, for contacts that are far from the tolerance of their own load; False: lacks room.
+
+    The best point is within the tolerance as a whole, which says nothing of light bodies beside heavy ones.
+    """
+    if not make_pattern(memory, memory.factor) or not has_room(memory.factor):
+        return False
+    bound_factors(memory)
+    tolerance = memory.tolerance
+    for eps in (1e-6, 1e-2):
+        memory.tolerance = min(tolerance, SETTLED)
+        newton(memory, eps, 60)
+        memory.tolerance = tolerance
+        conclude(memory)
+        if not lags(memory):
+            break
+    return True
+
+
+@kernel
 def begin(problem: BodyContacts, memory: LargeMemory) -> None:
     """The problem in units; the best point is none yet, and no impulses until there is one that is finite."""
     memory.worst = 1e300
@@ -188,6 +216,7 @@ def solve_large(problem: BodyContacts, memory: LargeMemory) -> int:
         return ROOM
     memory.route = route
     conclude(memory)
+    if lags(memory) and not serve_lagging(memory):
+        return ROOM
     unpack(problem, memory, memory.best)
-    # Where the rounding of the velocities is a part of the free ones, no residual says anything: it is inf.
-    return SOLVED if is_enough(memory) and memory.residual < np.inf else ITERATION_LIMIT
+    return SOLVED if is_good(memory) else ITERATION_LIMIT

@@ -14,6 +14,7 @@ from lcpflex.solvers.contact.cones.dense import is_good, lags, solve_cones
 from lcpflex.solvers.contact.cones.memory import cone_data, cone_memory
 from lcpflex.solvers.status import SOLVED
 from lcpflex.steppers.driver import MOST_RESCUES, Rescue
+from tests.islands import Island
 
 SPEED, STEP, STEPS, TOLERANCE = 30.0, 1e-3, 100, 1e-9
 
@@ -77,3 +78,48 @@ def test_a_run_goes_on_with_what_is_right_as_a_whole_and_names_the_light_contact
     (said,) = rescue.remarks(lambda law: f"number {law}")
     assert "(contact number 4)" in said
     assert "1.0e-04 of the velocity" in said
+
+
+def planar_sled(ratio: float, boxes: int) -> lf.Scene:
+    """The same in the plane, with boxes almost as long as the sled."""
+    scene = lf.Scene()
+    scene.ground.half_plane((0, 0), (0, 1))
+    scene.add(lf.Box(4, 0.2, mass=1.0), position=(0, 0.1), velocity=(SPEED, 0))
+    for k in range(boxes):
+        scene.add(lf.Box(3, 0.1, mass=1.0 / ratio), position=(0, 0.25 + 0.1 * k), velocity=(SPEED, 0))
+    scene.contact_all(friction=0.3)
+    return scene
+
+
+@pytest.mark.parametrize("ratio", [1e4, 1e10])
+def test_many_light_boxes_stay_where_they_are_on_a_sled_in_the_plane(ratio: float) -> None:
+    """A step leaves 1e-6 of their own load: 1e-3 of the speeds that cancel in it, and the weight of all above."""
+    boxes = 30
+    result = lf.simulate(planar_sled(ratio, boxes), STEPS * STEP, lf.MoreauJean(step=STEP), record=0.01, progress=False)
+    u = result.u.reshape(len(result.times), boxes + 1, 3)
+    own = 1e-3 * 2.0 * SPEED + boxes * 9.81 * STEP
+    assert np.abs(u[:, 1:] - u[:, :1]).max() < STEPS * OWN * TOLERANCE * own
+    assert not result.warnings
+
+
+def test_impulses_that_are_right_as_a_whole_are_found_for_the_light_contact_as_well() -> None:
+    """As above in the plane: 1e-4 of its load is 1e-9 of the load of the heavy one."""
+    light = 1e-10
+    white = np.zeros((4, 2, 3))
+    white[[0, 1], 0, [0, 1]], white[[2, 3], 0, [0, 1]] = 1.0, 1.0 / np.sqrt(light)
+    row_body = np.array([[0, -1], [0, -1], [1, -1], [1, -1]])
+    free = np.array([-1.0, 0.0, -1.0, 0.0])
+    start = np.array([1.0, 0.0, light * (1.0 - 0.99e-4), 0.0])
+    island = Island(white, row_body, np.full(2, 3), free, np.full(2, 0.5), np.abs(free), start)
+    status, memory = island.solve(tolerance=TOLERANCE)
+    assert status == SOLVED
+    assert memory.missed <= OWN * TOLERANCE
+    assert abs(island.p[2] / light - 1.0) < OWN * TOLERANCE
+
+
+def test_a_run_of_many_contacts_goes_on_and_names_the_light_contact() -> None:
+    """With a budget of one factor, and too many contacts for a dense problem."""
+    stepper = lf.MoreauJean(step=STEP, budget=1)
+    result = lf.simulate(planar_sled(1e10, 40), 5 * STEP, stepper, progress=False)
+    (said,) = (words for words in result.warnings if "solved to the tolerance as a whole" in words)
+    assert ".outline/body" in said
