@@ -123,6 +123,7 @@ def prefer_rest(work: SpatialWork, sets: SpatialContactSets, tolerance: float) -
     taken = held_forces(problem, largest) > LIMIT and judge_mixed(problem, problem.x) <= tolerance
     for r in range(problem.m):
         problem.r[r] = problem.x[r] if taken else sets.reference[r]
+    judge_mixed(problem, problem.r)  # what the problem tells is told of what is taken
     return taken
 
 
