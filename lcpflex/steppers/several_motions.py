@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 
 import numpy as np
 
@@ -26,7 +25,7 @@ class SeveralMotions:
     def __init__(self) -> None:
         self._first = math.nan
         self._taken: list[tuple[int, str]] = []
-        self._looks: Counter[Hashable] = Counter()
+        self._looks: dict[str, int] = {}  # how often problems of a kind were looked at
 
     def remarks(self, work: Workspace, name: Callable[[int], str]) -> list[str]:
         """Look at the problems kept since the last call; a warning if one of them so far had several motions."""
@@ -46,9 +45,10 @@ class SeveralMotions:
         n, m = int(row[1]), int(row[2])
         laws, friction, free, delassus, forces = np.split(row[3:], np.cumsum([n, n, m, m * m]))
         problem = ContactProblem(delassus.reshape(m, m), free, friction)
-        kind = (*laws, *(free[:n] < 0.0), *(forces[:n] > 0.0), *_cannot_stay_closed(problem))
-        self._looks[kind] += 1
-        if self._looks[kind] > LOOKS:
+        signs = (*(free[:n] < 0.0), *(forces[:n] > 0.0), *_cannot_stay_closed(problem))
+        kind = f"{laws.tolist()} {''.join('01'[bool(sign)] for sign in signs)}"
+        looks = self._looks[kind] = self._looks.get(kind, 0) + 1
+        if looks > LOOKS:
             return
         found = Enumeration().solve(problem)
         motions = [problem.velocity(np.concatenate(problem.forces(point))) for point in found.solutions]
