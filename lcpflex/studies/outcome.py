@@ -14,7 +14,6 @@ from lcpflex.errors import ModelError, SolverError, StepError
 from lcpflex.results.energy_balance import is_of_energy
 from lcpflex.results.stated_error import error_shares, scene_size
 from lcpflex.results.summary import COARSE, with_unit
-from lcpflex.results.unexplained import unexplained_energy
 from lcpflex.runs.limits import TOO_LATE
 from lcpflex.studies.criteria import Criteria
 from lcpflex.studies.trial import SEVERAL, is_paradox, scene_warnings
@@ -196,7 +195,7 @@ def _residual(result: Result, criteria: Criteria) -> Verdict | None:
 
 
 def _remainder(result: Result, criteria: Criteria) -> Verdict | None:
-    _, share = unexplained_energy(result)
+    share = result.energies.relative_remainder  # within touches, too: a method is judged by all that it makes of them
     if not share <= criteria.remainder:
         return Verdict(Outcome.UNEXPLAINED, f"{share:.2g} of the largest stored energy is unexplained")
     return None
