@@ -31,7 +31,6 @@ from lcpflex.model.layout import is_spatial
 from lcpflex.model.planar import N_RIGID
 from lcpflex.model.recovery import SpatialLineShapes
 from lcpflex.results.result import Result
-from lcpflex.results.stated_error import CLAMPED
 from lcpflex.results.stored_instants import tells_of_steps
 
 if TYPE_CHECKING:
@@ -42,6 +41,7 @@ __all__ = ["axial_loads_at", "with_axial_loads"]
 SHARE = 0.03  # of Euler's load, from where on a linear beam warns
 BUCKLED = 0.999  # of the load at which a beam buckles: what loads that are given as that come to
 OUT, BENT = 0.5, 0.5  # of that load, and slope of the beam from the chord of its frame: it has gone out of its way
+CLAMPED = 6.4  # slowest vibration of a beam with one end clamped over that of a free one: a body that is held
 LASTS = 0.25  # of its slowest vibration: for so long at least it bears more
 SLOPE = 0.1  # beyond which the strain u' + w'^2 / 2 is none
 INSTANTS, IN_SPACE = 200, 20  # looked at, at most, in the plane and in space

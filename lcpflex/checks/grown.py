@@ -10,7 +10,7 @@ import numpy as np
 from lcpflex.basics.lengths import lengths
 from lcpflex.model.arrays import OPEN
 from lcpflex.model.layout import dimension, place_offsets
-from lcpflex.steppers.step_error import Units
+from lcpflex.results.motion_units import Units
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray

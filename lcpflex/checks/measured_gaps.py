@@ -13,7 +13,7 @@ import numpy as np
 from lcpflex.contact.near import near, surfaces_of
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.configuration import advance, difference
-from lcpflex.steppers.step_error import Units
+from lcpflex.results.motion_units import Units
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable

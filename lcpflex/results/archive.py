@@ -42,6 +42,7 @@ RENAMED = {  # classes and fields, as older files name them
     "slave_normal": "node_normal", "slave_span": "node_span", "pass_slave": "pass_node",
     "feature_reach": "feature_depth", "surface_sway": "surface_deflection",
 }  # fmt: skip
+GONE = ("place_error", "speed_error")  # fields of older files that results no longer have
 EXPECTED = "expected a result saved by Result.save"
 FORMAT = "lcpflex result 2"
 READ = ("lcpflex result 1", FORMAT)
@@ -186,7 +187,8 @@ def _decode(node: Any, arrays: Mapping[str, npt.NDArray[Any]]) -> Any:
         return tuple(_decode(item, arrays) for item in node["tuple"])
     if "map" in node:
         return {_decode(key, arrays): _decode(value, arrays) for key, value in node["map"]}
-    fields = {RENAMED.get(key, key): _decode(value, arrays) for key, value in node["fields"].items()}
+    present = ((key, value) for key, value in node["fields"].items() if key not in GONE)
+    fields = {RENAMED.get(key, key): _decode(value, arrays) for key, value in present}
     module, _, name = node["value"].rpartition(".")
     if module not in ("", "result", "energy", "scene", "model"):
         raise ValueError(f"no value class {node['value']!r}")

@@ -10,8 +10,8 @@ from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.results.chart_words import stepper_words, told_apart
+from lcpflex.results.motion_units import scene_size
 from lcpflex.results.spatial.motion_panels import bodies_shown, plot_speeds, plot_spins
-from lcpflex.results.stated_error import scene_size
 from lcpflex.results.summary import lost_in_contacts, with_unit
 
 if TYPE_CHECKING:

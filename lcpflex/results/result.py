@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -88,6 +88,11 @@ class Result(NamesNearest):
     speed of its law it is in the state CREEP, and ``crept`` says how far it went in it.
     """
 
+    _known_as: ClassVar[dict[str, str]] = {
+        name: f"it was a sum of local errors, and far off; result.verify() measures the error, result.error.{now}"
+        for name, now in (("place_error", "place"), ("speed_error", "speed"))
+    }
+
     times: FloatArray  # (m,) [s]
     q: FloatArray  # (m, ndof) [m], [rad], [kg^1/2 m]
     u: FloatArray  # (m, ndof) their rates
@@ -118,9 +123,7 @@ class Result(NamesNearest):
     python_calls: int = 0  # of Python functions of time, which keep the loop from being compiled
     python_time: float = 0.0  # [s] of wall_time spent in them
     crept: tuple[float, ...] = ()  # path of slip of each contact while creeping [m]; empty if none of them can
-    place_error: float | None = None  # [m] local errors of the steps, summed, of the body worst off; None: not known
-    speed_error: float | None = None  # [m/s]; both as shares of a coordinate's range in a system of the user's own
-    impact_step: float = 0.0  # [s] of steps that place impacts at their ends; 0: none do, or their length changes
+    impact_step: float = 0.0  # [s] of steps that place impacts at their ends, the shortest; 0: none do
     strict: FloatArray | None = None  # (m,) the residual relative to the free velocity alone; None: not known
     # of each joint, see ``reaction``; None in results of older versions
     joint_force: FloatArray | None = None  # (m, nj, 3) F_x, F_y [N], M [N m]; in space 6: F, M
@@ -131,6 +134,8 @@ class Result(NamesNearest):
     outside: FloatArray | None = None  # (m, slots, 3) what functions of the user gave; of a file, see ``save``
     found_wrong: tuple[str, ...] = ()  # what the run itself saw go wrong, a clause each: not to be trusted
     sensors: tuple[SensorHistory, ...] = ()  # what the sensors of the scene have measured, see ``sensor``
+    step_tolerance: float = 0.0  # [m] by which error control lets a step of time stepping misplace a body; 0: no such
+    error: Any = None  # what reruns have measured of its error; None: nothing is known of it
 
     def __post_init__(self) -> None:
         if self.compiled is not None and not self.contact_names:

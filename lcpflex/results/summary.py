@@ -11,7 +11,7 @@ from lcpflex.model.arrays import OPEN
 from lcpflex.results.contact_history import CLOSED
 from lcpflex.results.energy_balance import AT_REST, ROUNDING as ROUNDED, held_energy, load_energy
 from lcpflex.results.modal_coordinates import modal_coordinates
-from lcpflex.results.stated_error import error_shares, has_moved, scene_size
+from lcpflex.results.motion_units import has_moved, scene_size
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
@@ -29,14 +29,10 @@ ROUNDING = 1e-12  # tangential impulse below this share of the normal one is non
 FINE = " Whether the step and the modes are fine enough, only a second run with finer ones shows."
 LISTED = 8  # contacts that are described one by one
 
-Shares = tuple[float, float] | None  # the stated errors of places and velocities, see error_shares
-
 
 def summary(result: Result) -> str:
     """Several short paragraphs; the last one says whether the result can be trusted."""
-    shares = error_shares(result)
-    parts = [_run(result), _contacts(result), _energy(result), _accuracy(result, shares), _warnings(result)]
-    parts.append(_verdict(result, shares))
+    parts = [_run(result), _contacts(result), _energy(result), _accuracy(result), _warnings(result), _verdict(result)]
     return "\n\n".join(part for part in parts if part)
 
 
@@ -231,7 +227,7 @@ def _energy(result: Result) -> str:
     return "\n".join(["Energy [J]", *lines])
 
 
-def _accuracy(result: Result, shares: Shares) -> str:
+def _accuracy(result: Result) -> str:
     indentation = _largest(result.penetration if result.all_compliant else _indentation(result))
     when = "" if result.all_compliant else "at the stored instants "
     by_law = f"largest indentation {when}{with_unit(indentation, 'm')}; " if result.compliant else ""
@@ -242,20 +238,6 @@ def _accuracy(result: Result, shares: Shares) -> str:
         f"largest joint drift {with_unit(_largest(result.joint_drift), 'm')}; "
         f"largest residual of a contact problem {_largest(result.residual):.1e} of its terms, "
         f"{_strict(result):.1e} of the free velocity"
-        f"{_steps(result, shares)}"
-    )
-
-
-def _steps(result: Result, shares: Shares) -> str:
-    """The error of the steps, as the result states it; empty where it does not."""
-    if shares is None or result.place_error is None or result.speed_error is None:
-        return ""
-    place, speed = shares
-    if result.compiled is None:
-        return f"\n  local errors of the steps sum up to {_share(place)} of the range of a coordinate"
-    return (
-        f"\n  local errors of the steps sum up to {with_unit(result.place_error, 'm')} ({_share(place)} of the largest "
-        f"extent or travel) and {with_unit(result.speed_error, 'm/s')} ({_share(speed)} of the largest speed)"
     )
 
 
@@ -269,29 +251,15 @@ def _warnings(result: Result) -> str:
     return "\n".join(["Warnings", *(f"  {text}" for text in result.warnings)]) if result.warnings else ""
 
 
-def _verdict(result: Result, shares: Shares) -> str:
+def _verdict(result: Result) -> str:
     reasons = doubts(result)
     if reasons:
         return "NOT to be trusted as it stands: " + "; ".join(reasons) + "."
-    coarse = _coarse(shares)
     if result.warnings:
-        return "Can be trusted as far as its own checks see, but read the warnings above." + coarse
+        return "Can be trusted as far as its own checks see, but read the warnings above."
     return (
         "Can be trusted as far as its own checks see: energy balanced, contact problems solved, gaps and joints kept."
-    ) + (coarse or FINE)
-
-
-def _coarse(shares: Shares) -> str:
-    """What the result states of the error of its steps, where that is large; else empty."""
-    place, speed = shares or (0.0, 0.0)
-    if max(place, speed) <= COARSE:
-        return ""
-    named = [(place, "places"), (speed, "velocities")]
-    large = " and ".join(f"{_share(share)} in {name}" for share, name in named if share > COARSE)
-    return (
-        f" The local errors of its steps sum up to {large}, though: it is no more accurate than that; take a shorter "
-        "step or a tighter tolerance."
-    )
+    ) + FINE
 
 
 def _strict(result: Result) -> float:

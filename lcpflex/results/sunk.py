@@ -2,7 +2,8 @@
 
 Time stepping at velocity level closes a contact at the end of the step in which it meets, up to h |v| deep, and keeps
 it there: what no pair could pass in one step is an error of something else. The step is compared at its own instant, so
-that a run that goes on with another has the verdict of its parts; what it began with is not its own.
+that a run that goes on with another has the verdict of its parts; what it began with is not its own. Under error
+control an impact takes the shortest step, but a contact that goes on may drift by the tolerance in each of the others.
 """
 
 from __future__ import annotations
@@ -13,9 +14,9 @@ import numpy as np
 
 from lcpflex.contact.thickness import law_thickness
 from lcpflex.jit.struct import pack
+from lcpflex.results.motion_units import Units
 from lcpflex.results.stored_instants import CONTINUED
 from lcpflex.steppers.scales import SUNK
-from lcpflex.steppers.step_error import Units
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
@@ -25,7 +26,7 @@ __all__ = ["Worst", "worst_drift", "worst_penetration"]
 
 STEPPED = 0.05  # of the size: a penetration that no step is allowed to leave, whatever it states of its error
 CLIPPED = 0.1  # of the thinnest body, and of that
-ESTIMATED = 5e-3  # of the size: what the stated error of the steps explains where the length of a step is not known
+ACCEPTED = 5e-3  # of the size: the most that what error control accepts of its steps may add up to
 NOISE = 1e-6  # of the size: what is deeper by no more is as deep as before
 SEEN = 0.5  # of a penetration or drift: what has so much of it at a stored instant is what had all of it
 
@@ -46,8 +47,8 @@ def worst_penetration(result: Result, size: float) -> Worst | None:
     assert result.compiled is not None
     most = min(STEPPED * size, CLIPPED * float(law_thickness(result.compiled.model.contacts).min(initial=np.inf)))
     reach = np.minimum(step * _speeds(result), most) if step > 0.0 else np.zeros(len(depth))
-    if not step > 0.0:
-        allowed = max(allowed, min(2.0 * (result.place_error or 0.0), ESTIMATED * size))
+    # each step may put both bodies wrong by its tolerance, and nothing takes that back
+    allowed = max(allowed, min(2.0 * result.steps * result.step_tolerance, ACCEPTED * size))
     # what it began with, or a step has left, stays
     worst, level = -1, float(depth[0]) if any(note.startswith(CONTINUED) for note in result.notes) else 0.0
     for k in range(len(depth)):
@@ -61,7 +62,8 @@ def worst_penetration(result: Result, size: float) -> Worst | None:
         return None
     law = _deepest(result, worst)
     where = f"contact {result.contact_names[law]!r} at " if law >= 0 else ""
-    less = f": a step of {step * SUNK * size / depth[worst]:.2g} s leaves a thousandth" if step > 0.0 else ""
+    shorter = f"a step of {step * SUNK * size / depth[worst]:.2g} s leaves a thousandth"
+    less = f": {'take a tighter tolerance' if result.step_tolerance > 0.0 or not step > 0.0 else shorter}"
     return Worst(float(depth[worst]), f"{where}t = {result.times[worst]:.6g} s{less}")
 
 

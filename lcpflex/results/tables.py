@@ -41,7 +41,7 @@ def facts(result: Result) -> dict[str, Any]:
     """
     lines = {name: "\n".join(getattr(result, name)) for name in ("warnings", "found_wrong", "notes")}
     plain = ("stepper", "duration", "message", "stored", "steps", "wall_time", "compile_time", "python_calls",
-             "python_time", "place_error", "speed_error", "impact_step")  # fmt: skip
+             "python_time", "impact_step")  # fmt: skip
     told = {name: getattr(result, name) for name in plain if getattr(result, name) is not None}
     return {"lcpflex": VERSION, **told, "complete": int(result.complete), **lines}
 

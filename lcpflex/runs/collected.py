@@ -23,8 +23,8 @@ from lcpflex.results.energy_balance import (
     held_energy,
     load_energy,
 )
+from lcpflex.results.motion_units import has_moved
 from lcpflex.results.result import Event, Result
-from lcpflex.results.stated_error import has_moved, stated_errors
 from lcpflex.results.stored_instants import stored_as
 from lcpflex.runs.page_result import touching_points, with_creep
 from lcpflex.runs.setup import Run, Setup, Stepper
@@ -45,7 +45,6 @@ def collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, c
     growth, loads = growth_cause(stepper, system), load_energy(compiled)
     held = held_energy(compiled, data["times"], data["impulse"])
     energies = Energies.audit(*(data["energies"][:, i] for i in range(7)))
-    controlled = not getattr(run, "fixed_step", 0.0)
     coarse = tuple(system.names[law] for law in run.records.touches.enough())
     grown = None
     if coarse and len(data["times"]):
@@ -53,7 +52,6 @@ def collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, c
 
         grown = certain_growth(energies, data["times"], data["force"], np.isin(names, coarse), run.steps)
     moved = compiled is not None and has_moved(found.model, data["q"], data["u"], compiled.size)
-    place_error, speed_error = stated_errors(found.model, run.records, found.rigid, data, run.steps, controlled)
     pressed = np.count_nonzero(data["force"][:, :, 0] > 0.0, axis=0) / max(len(data["times"]), 1)
     state = with_creep(laws, data["state"])
     events = tuple(
@@ -110,9 +108,8 @@ def collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, c
             ),
         ),
         notes=(*(compiled.notes if compiled is not None else ()), *options.notes, *run.records.notes),
-        place_error=place_error,
-        speed_error=speed_error,
         impact_step=run.records.impact_step,
+        step_tolerance=run.records.step_tolerance(data["q"]),
     )
 
 

@@ -37,7 +37,6 @@ CLASSES = {"Radau": "scipy.integrate", "BDF": "scipy.integrate"}
 CONSTANT = {"kinds", "parameters", "address", "beats"}
 # objects that belong to the scene or to the user: they are as the scene makes them again
 LIVE = {"System", "Model", "CompiledFunction", "OwnFunction", "LawRow", "Support"}
-CACHES = {("Sampling", "_known")}  # attributes that are made again where they are missing
 FUNCTIONS = (types.FunctionType, types.MethodType, types.BuiltinFunctionType, types.MethodWrapperType)
 
 
@@ -100,13 +99,9 @@ def _freeze_whole(value: Any, name: str, arrays: Arrays, known: dict[int, str] |
         if CLASSES.get(value.__name__) is None:
             raise Unkept(f"{name} is the class {value.__name__}")
         return {"class": value.__name__}
-    called = type(value).__name__
     return {
         "object": _class_name(type(value), name),
-        "fields": {
-            field: {"live": True} if (called, field) in CACHES else part(field, getattr(value, field))
-            for field in _attributes(value)
-        },
+        "fields": {field: part(field, getattr(value, field)) for field in _attributes(value)},
     }
 
 

@@ -26,7 +26,6 @@ from lcpflex.kinematics.configuration import difference, magnitudes
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.backup import Backup
 from lcpflex.steppers.clock import StepClock
-from lcpflex.steppers.recorder import Recorder
 from lcpflex.steppers.scales import ABSOLUTE, USUAL, Scales, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.system import System
 
@@ -36,7 +35,6 @@ __all__ = [
     "AdaptiveStep",
     "Limits",
     "accept",
-    "add_differences",
     "after_impact",
     "after_rejection",
     "doubling_error",
@@ -51,7 +49,6 @@ __all__ = [
 PART = 0.01  # of the duration that one step may take, where no limit is given
 SETTLE = 4.0  # times what the approach of a pair gains in one shortest step: no faster, it is at rest
 MOST_STRIKES = 20  # shortest steps in a row for impacts
-HALVED = 0.5  # error of the two halves over their difference from the whole: 1/3 at order 2, 1 at order 1
 ENDED_EARLY = 0.99  # of the length planned: a shorter step was to end at a stop
 
 
@@ -156,15 +153,6 @@ def doubling_error(model: Model, limits: Limits, q: FloatArray, u: FloatArray, k
             return math.inf
         worst = max(worst, max(ratio, rate))
     return worst
-
-
-@kernel
-def add_differences(model: Model, q: FloatArray, u: FloatArray, kept: Backup, recorder: Recorder) -> None:
-    """Add up the errors of an accepted step, from by how much its two results differ."""
-    difference(model, kept.long_q, q, kept.change)
-    for i in range(len(u)):
-        recorder.local[0, i] += HALVED * abs(kept.change[i])
-        recorder.local[1, i] += HALVED * abs(u[i] - kept.long_u[i])
 
 
 @kernel

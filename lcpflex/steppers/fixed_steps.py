@@ -15,11 +15,10 @@ from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.coarse_touches import Touches
 from lcpflex.steppers.not_finite import not_finite
 from lcpflex.steppers.passing import may_pass
-from lcpflex.steppers.rates import UNSTORED, ask_step, strides_of
+from lcpflex.steppers.rates import ask_step, strides_of
 from lcpflex.steppers.recorder import Recorder, has_room
 from lcpflex.steppers.scheme import NO_FACTOR, end_step, record, set_length, take_step
 from lcpflex.steppers.status import RunStatus
-from lcpflex.steppers.step_error import Sampling
 from lcpflex.steppers.time_stepping import TimeStepping
 
 __all__ = ["FixedSteps", "advance"]
@@ -49,7 +48,7 @@ def advance(model: Model, clock: StepCount, scheme: Any, work: Workspace, record
                 clock.stored = clock.steps
             if clock.steps >= last:
                 return RunStatus.DONE
-            if recorder.beats[0] != beats:  # as DONE, with the present instant stored: samples disturb its forces
+            if recorder.beats[0] != beats:  # as DONE, with the present instant stored
                 return RunStatus.PAUSE
         clock.step_taken = clock.length
         status = take_step(model, scheme, t, work, recorder, clock)
@@ -90,8 +89,6 @@ class FixedSteps:
         self.records.impact_step = step if stepping.support.impulsive else 0.0
         if stepping.system.is_compliant:
             self.records.touches = Touches(stepping.work.compliant.history.touches, step)
-        own_solver = bool(stepping.solving)  # would see the steps of samples
-        self.records.sampling = None if own_solver else Sampling(self, last, self._whole)
 
     @property
     def finished(self) -> bool:
@@ -131,30 +128,6 @@ class FixedSteps:
         self.clock.length = length
         self.stepping.work.span[:] = self._average * length
 
-    def state(self) -> tuple[Any, ...]:
-        """All that a step changes, q and u first."""
-        stepping = self.stepping
-        scheme = stepping.scheme
-        compliant = (stepping.work.compliant,) if stepping.system.is_compliant else ()
-        return (scheme.q, scheme.u, self.clock, scheme, *stepping.support.carried(stepping.work), *compliant)
-
-    def half_steps(self, time: float, done: int, count: int) -> int:
-        """``count`` steps of half the length, none stored, after ``done`` ones since ``time`` [s]; what was returned.
-
-        The clock is left as it comes.
-        """
-        clock, half = self.clock, 0.5 * self.fixed_step
-        self._choose(half)
-        clock.start, clock.first = time + (done - 1) * half, 0  # counted from 1: none is stored
-        clock.time = clock.start + half
-        clock.steps = clock.stored = 1
-        clock.stride = clock.last = UNSTORED
-        while True:
-            status = self._loop(1 + count)
-            # what may have passed through something is looked at in the run itself
-            if status not in (RunStatus.PASSED, RunStatus.PAUSE):
-                return status
-
     def make_room(self, contacts: int) -> None:
         """Memory for more contacts, ``contacts`` being needed."""
         self.stepping.make_room(contacts)
@@ -173,7 +146,7 @@ class FixedSteps:
     def _store_last(self) -> None:
         """Store the state that the step began from, which is sound, without the forces of the contacts found in it."""
         clock, work = self.clock, self.stepping.work
-        if clock.begun == 0 or clock.within != 0.0 or clock.stored == clock.steps or clock.stride == UNSTORED:
+        if clock.begun == 0 or clock.within != 0.0 or clock.stored == clock.steps:
             return
         self.records.empty()  # there is room
         last, held = clock.last, (work.n_contacts, work.n_tangents)

@@ -15,7 +15,6 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
 
 __all__ = [
-    "UNSTORED",
     "Rates",
     "ask_all",
     "ask_at",
@@ -28,7 +27,6 @@ __all__ = [
     "went_on",
 ]
 
-UNSTORED = 2**40  # stride between stored steps: none of a sample is
 SAME = 1e-12  # of the duration: instants nearer than that are one
 
 
@@ -71,12 +69,12 @@ def ask_all(rates: Rates) -> None:
 def ask_step(rates: Rates, stride: int, steps: int, last: int) -> bool:
     """Which rates ask for the state after ``steps`` steps of one length; ``stride``: steps between those of the record.
 
-    All ask for that after the ``last`` one, and none within a sample of the steps.
+    All ask for that after the ``last`` one.
     """
     some = False
     for r in range(len(rates.now)):
         each = stride if r == 0 else rates.stride[r]
-        asks = steps == last or (stride != UNSTORED and steps % each == 0)
+        asks = steps == last or steps % each == 0
         rates.now[r] = 1 if asks else 0
         some = some or asks
     return some

@@ -119,7 +119,6 @@ class Recorder:
     after: FloatArray = array("nq")  # and at its end, where it is to be examined
     free: FloatArray = array("nq")  # where its first velocity leads; NaN under schemes that move no body out of another
     # running values
-    local: FloatArray = array(2, "ndof")  # magnitudes of the errors that error control has accepted, summed, of q, u
     counts: Counts
     reactions: Reactions
     rates: Rates

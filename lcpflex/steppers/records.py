@@ -41,11 +41,9 @@ class Records:
         self.notes: list[str] = []  # how the stepper fared, where that is no reason to doubt
         self.rigid = np.ones(system.n_laws, dtype=bool)
         self.rigid[: len(system.is_compliant)] = np.logical_not(system.is_compliant)
-        # what the steps cost in accuracy, beside recorder.local: errors of some of them (step_error.Sampling);
-        # the length of steps that place an impact at their end [s]
-        self.sampling: Any = None
         self.missed_friction: FloatArray | None = None  # of compliant contacts; see law_run.friction_warnings
-        self.impact_step = 0.0
+        self.control = (0.0, 0.0)  # absolute [m] and relative tolerance of places, of time stepping under error control
+        self.impact_step = 0.0  # length of steps that place an impact at their end [s]
         self.found_wrong: list[str] = []  # clauses: what went wrong, so that the result is not to be trusted
         self.indentation: FloatArray | None = None  # (laws,) the largest so far, where contacts are compliant [m]
         self.touches = NO_TOUCHES  # of compliant contacts, in steps of one length
@@ -138,8 +136,6 @@ class Records:
         for struct in structs:
             lengthen(struct, "laws", laws, more)
         self.rigid = np.pad(self.rigid, (0, more - laws), constant_values=True)
-        if self.sampling:
-            self.sampling.forget()
 
     def restored(self) -> None:
         """The run goes on from a file: pairs under a rule are those of the file."""
@@ -178,6 +174,11 @@ class Records:
         """Energy created by contact impulses: in all [J], most at once [J], when [s]."""
         counts = self.recorder.counts
         return counts.gained, counts.largest_gain, counts.gain_time
+
+    def step_tolerance(self, q: FloatArray) -> float:
+        """By how much a step may place a body wrong under error control, in a run that went through q (m, nq) [m]."""
+        near, relative = self.control
+        return near + relative * float(np.abs(q).max(initial=0.0))
 
     def energy_scale(self) -> float:
         """Largest stored energy of the instants so far, counted from the lowest potential one [J]."""

@@ -96,32 +96,14 @@ class Run:
         return found
 
     def advance(self, n_steps: int) -> str:
-        """Make up to ``n_steps`` steps, some of them sampled; empty, or why the run cannot go on.
+        """Make up to ``n_steps`` steps; empty, or why the run cannot go on.
 
-        Fewer where they take long: it returns a few times a second (:mod:`lcpflex.basics.pulse`). A sample that begins
-        among these steps is made as a whole, be they fewer: which steps are sampled, and with it the result, must not
-        depend on how many are made at a time.
+        Fewer where they take long: it returns a few times a second (:mod:`lcpflex.basics.pulse`).
         """
-        last, sampling = self.steps + n_steps, self.records.sampling
         try:
-            while sampling and sampling.ahead - 1.0 < last:
-                before = int(sampling.ahead) - 1
-                message = self._towards(before)
-                if message or self.finished or self.steps < before:
-                    return message
-                message = sampling.sample(self)
-                if message or self.finished:
-                    return message
-            return self._towards(max(last, self.steps))
+            return self._towards(self.steps + n_steps)
         finally:  # of an interrupted run, too
             self.records.warnings[:], self.records.notes[:] = self.method.remarks()
-
-    def make(self, n_steps: int) -> str:
-        """Make ``n_steps`` steps, none of them sampled; empty, or why the run cannot go on."""
-        target = self.steps + n_steps
-        while not (message := self._towards(target)) and self.steps < target and not self.finished:
-            pass
-        return message
 
     def _towards(self, target: int) -> str:
         """Steps until there are ``target`` of them, or for a while."""

@@ -13,10 +13,8 @@ import math
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.jit.leaf import in_space
-from lcpflex.model.arrays import Model
 
-__all__ = ["C", "STAGES", "add_errors", "copy_state", "error_norm", "interpolate", "stage_state", "step_factor"]
+__all__ = ["C", "STAGES", "copy_state", "error_norm", "interpolate", "stage_state", "step_factor"]
 
 STAGES = 7
 C = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
@@ -32,7 +30,6 @@ A = np.array(
     ]
 )
 E = np.array([-71 / 57600, 0.0, 71 / 16695, -71 / 1920, 17253 / 339200, -22 / 525, 1 / 40])
-EXTRAPOLATED = 0.3  # error of the result of order 5 over that of order 4, at loose tolerances
 P = np.array(
     [
         [1.0, -8048581381 / 2820520608, 8663915743 / 2820520608, -12715105075 / 11282082432],
@@ -90,21 +87,6 @@ def error_norm(
         ratio = h * error / (atol[i] + rtol * max(abs(y[i]), abs(end[i])))
         total += ratio * ratio
     return math.sqrt(total / max(n, 1))
-
-
-@in_space("lcpflex.steppers.spatial.errors")
-@kernel
-def add_errors(model: Model, y: FloatArray, slopes: FloatArray, h: float, sums: FloatArray) -> None:
-    """sums (2, n) += magnitudes of the errors of a step of length h from y, of q as of velocities, and of u.
-
-    The estimate is that of the result of order 4; of the one of order 5 that goes on, the error is much less.
-    """
-    n = sums.shape[1]
-    for i in range(2 * n):
-        error = 0.0
-        for j in range(STAGES):
-            error += E[j] * slopes[j, i]
-        sums[i // n, i % n] += EXTRAPOLATED * abs(h * error)
 
 
 @kernel

@@ -8,14 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.kinematics.configuration import difference
 from lcpflex.model.layout import PLANE, dimension, place_offsets
 from lcpflex.steppers.scales import Scales, absolute_tolerance, usual_state
 from lcpflex.steppers.system import System
 
-__all__ = ["as_velocities", "tolerance_of_numbers", "usual_numbers"]
+__all__ = ["tolerance_of_numbers", "usual_numbers"]
 
 
 def usual_numbers(system: System, scales: Scales) -> FloatArray:
@@ -37,24 +35,6 @@ def tolerance_of_numbers(
     tolerance[: len(system.q)] *= share
     tolerance[: len(system.q)][share < 1.0] += 0.5 * rtol
     return tolerance
-
-
-def as_velocities(system: System, q: FloatArray, numbers: FloatArray) -> FloatArray:
-    """(2, nu) magnitudes of errors of q, as velocities move it in 1 s, and of u, from those of all their numbers.
-
-    Of several numbers that go with one velocity the worst counts.
-    """
-    nq, nu = len(system.q), len(system.u)
-    if nq == nu:
-        return numbers.reshape(2, -1)
-    apart = link(difference, system.hooks)
-    worst, moved = np.zeros(nu), np.zeros(nu)
-    for i in range(nq):
-        other = q.copy()
-        other[i] += numbers[i]
-        apart(system.model, q, other, moved)
-        worst = np.maximum(worst, np.abs(moved))
-    return np.array([worst, numbers[nq:]])
 
 
 def _share(system: System) -> FloatArray:

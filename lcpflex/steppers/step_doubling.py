@@ -17,7 +17,6 @@ from lcpflex.model.arrays import Model
 from lcpflex.steppers.adaptive import (
     Limits,
     accept,
-    add_differences,
     after_rejection,
     doubling_error,
     end_there,
@@ -171,8 +170,6 @@ def advance(
             undo(clock, scheme, kept, work, recorder)
             after_rejection(limits, clock, h, closing[0])
             continue
-        if part == SECOND:
-            add_differences(model, scheme.q, scheme.u, kept, recorder)
         accept(limits, clock, h, closing[0], part == ALONE, closing[1])
         go_on(scheme, limits, clock, closing[2], closing[3], work)
         clock.part = FRESH
@@ -192,6 +189,8 @@ class StepDoubling:
         scheme = stepping.scheme
         scheme.step = min(max(scheme.step, limits.shortest), limits.longest)
         self.clock = allocate(StepClock, {}, step=scheme.step)
+        self.records.control = limits.near, limits.rtol
+        self.records.impact_step = limits.shortest if stepping.support.impulsive else 0.0
         self.records.recorder.rates.least = least_interval(limits.duration)
         self._kept = backup(stepping.system, _twin(scheme), 16)
         self._advance = stepping.link(advance)

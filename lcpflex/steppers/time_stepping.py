@@ -23,7 +23,6 @@ from lcpflex.steppers.records import Records
 from lcpflex.steppers.several_motions import SeveralMotions
 from lcpflex.steppers.shared_loads import shared_loads
 from lcpflex.steppers.status import RunStatus
-from lcpflex.steppers.step_error import carried
 from lcpflex.steppers.system import System
 from lcpflex.steppers.unsolved import lagging_remarks, unsolved_large, unsolved_remarks
 
@@ -57,8 +56,6 @@ class Support:
     ----------
     grown
         (scheme, contacts) -> the struct of the scheme with room for more contacts.
-    carried
-        (workspace) -> what a step takes over from the one before: arrays and structs.
     warnings
         (scheme, workspace, steps) -> warnings, of so many steps of one length; None: of steps under error control.
     trouble
@@ -70,7 +67,6 @@ class Support:
     """
 
     grown: Callable[[Any, int], Any] = _same
-    carried: Callable[[Workspace], tuple[Any, ...]] = carried
     warnings: Callable[[Any, Workspace, int | None], list[str]] = _silent
     trouble: Callable[[int, int, Any, Workspace], str] = _nothing
     hint: str = ""

@@ -22,7 +22,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.dispatch import Hooks, Kernel, link
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Model
-from lcpflex.steppers import runge_kutta, unmet
+from lcpflex.steppers import unmet
 from lcpflex.steppers.backup import Backup
 from lcpflex.steppers.moreau_jean import step
 from lcpflex.steppers.recorder import Recorder
@@ -98,12 +98,7 @@ def _moving_hooks(system: Mechanics, known: Hooks) -> Hooks:
             before = after
         return True
 
-    return {mechanics.forces: forces_noted, step.turn_on: turn_on, **_way_hooks(system)}
-
-
-def _way_hooks(system: Mechanics) -> Hooks:
-    """Replacements for what follows configurations through a step: their numbers are neither velocities nor bodies."""
-    return {runge_kutta.add_errors: _add_errors(system), unmet.on_way: _on_way(system)}
+    return {mechanics.forces: forces_noted, step.turn_on: turn_on, unmet.on_way: _on_way(system)}
 
 
 def _on_way(system: Mechanics) -> Kernel:
@@ -119,22 +114,10 @@ def _on_way(system: Mechanics) -> Kernel:
     return on_way
 
 
-def _add_errors(system: Mechanics) -> Kernel:
-    """What adds the errors of a Runge-Kutta step, as velocities."""
-
-    def add_errors(model: Model, y: FloatArray, slopes: FloatArray, h: float, sums: FloatArray) -> None:
-        nq, nu = system.kinematics.nq, system.n
-        error = runge_kutta.EXTRAPOLATED * h * (runge_kutta.E @ slopes[:, : nq + nu])
-        sums[0] += np.abs(system.kinematics.velocity(y[:nq], error[:nq]))
-        sums[1] += np.abs(error[nq:])
-
-    return add_errors
-
-
 def _without_bodies(system: Mechanics) -> Hooks:
     """What kernels of space would do to bodies, of which such a system has none."""
 
     def turn_on(model: Model, passes: int, h: float, u: FloatArray, work: Workspace) -> bool:
         return True
 
-    return {step.turn_on: turn_on, **_way_hooks(system)}
+    return {step.turn_on: turn_on, unmet.on_way: _on_way(system)}

@@ -7,13 +7,8 @@ problem is posed in between, as an LCP of three unknowns a contact or otherwise,
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-import numpy.typing as npt
-
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.jit.struct import allocate, array, numbers_of, parts_of, struct
+from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.solvers.auto import auto_workspace
 
 __all__ = [
@@ -25,7 +20,6 @@ __all__ = [
     "Remembered",
     "SolverMemory",
     "contact_data",
-    "carried_over",
     "prepare",
 ]
 
@@ -96,12 +90,6 @@ class Remembered:
 def contact_data(capacity: int) -> ContactData:
     """Room for the problem of so many contacts."""
     return allocate(ContactData, {"contacts": capacity, "pairs": 2 * capacity})
-
-
-def carried_over(memory: SolverMemory, known: Remembered) -> tuple[npt.NDArray[Any], ...]:
-    """What a solve may take over from the one before, as arrays that are written to; all else is written anew."""
-    kept = (value for value in parts_of(known).values() if isinstance(value, np.ndarray))
-    return *kept, numbers_of(known), numbers_of(memory)
 
 
 def prepare(capacity: int, before: SolverMemory | None = None) -> SolverMemory:

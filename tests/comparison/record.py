@@ -24,7 +24,7 @@ PARTS = {
     "energies": ("kinetic", "elastic", "potential", "friction", "impact", "damping", "work", "remainder"),
 }
 WORDS = ("message", "warnings", "notes", "found_wrong")
-NUMBERS = ("steps", "complete", "crept", "place_error", "speed_error")
+NUMBERS = ("steps", "complete", "crept")
 
 
 @dataclass(frozen=True, slots=True)

@@ -86,6 +86,40 @@ def test_a_large_penetration_names_contact_time_and_step(space: bool, record: fl
 
 
 @pytest.mark.parametrize("space", [False, True], ids=["plane", "space"])
+def test_under_error_control_the_shortest_step_takes_impacts(space: bool) -> None:
+    """It goes into a contact as a step of that length does: by h |v|; what is deeper than that is told."""
+    control = lf.AdaptiveStep(rtol=1e-5, shortest=5e-4)
+    result = lf.simulate(dropped(0.2003, space), 0.3, lf.MoreauJean(step=1e-3, adaptive=control), progress=False)
+    assert result.penetration.max() > 1e-3 * 0.1
+    assert not doubts(result)
+    deeper = result.penetration * (5e-4 * 2.0 * np.sqrt(2.0 * 9.81 * 0.2) / result.penetration.max() + 1.0)
+    (said,) = doubts(replace(result, penetration=deeper))
+    assert "take a tighter tolerance" in said
+
+
+def in_bowl() -> lf.Scene:
+    """A disc that slides to and fro in a bowl."""
+    scene = lf.Scene()
+    disc = scene.add(lf.Disc(0.1, mass=1.0), position=(-0.9 * np.sin(0.7), 1.0 - 0.9 * np.cos(0.7)))
+    bowl = scene.ground.arc((0.0, 1.0), 1.0, 1.01 * np.pi, 0.98 * np.pi, hole=True)
+    scene.contact(disc.surface(), bowl, name="bowl")
+    return scene
+
+
+def test_a_contact_drifts_as_far_as_error_control_lets_it() -> None:
+    """By the tolerance of both bodies a step; the same depth of a run that accepts less is large."""
+    loose = lf.simulate(in_bowl(), 3.0, lf.MoreauJean(step=1e-3, adaptive=lf.AdaptiveStep(rtol=1e-3)), progress=False)
+    assert 1e-3 * 0.2 < loose.penetration.max() < 2.0 * loose.steps * loose.step_tolerance
+    assert not doubts(loose)
+    event = lf.simulate(in_bowl(), 0.5, lf.EventDriven(), progress=False)
+    tight = lf.simulate(in_bowl(), 0.5, lf.GeneralizedAlpha(1e-3, adaptive=lf.AdaptiveStep(rtol=1e-9)), progress=False)
+    for result in (event, tight):
+        assert not doubts(result)
+        (said,) = doubts(replace(result, penetration=np.full(len(result.times), loose.penetration.max())))
+        assert said.startswith("the penetration of ")
+
+
+@pytest.mark.parametrize("space", [False, True], ids=["plane", "space"])
 def test_a_joint_that_has_drifted_is_named(space: bool) -> None:
     if space:
         scene: Any = lf.SpatialScene(gravity=(0.0, 0.0, -9.81))

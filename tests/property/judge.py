@@ -23,7 +23,6 @@ import numpy as np
 import numpy.typing as npt
 
 import lcpflex as lf
-from lcpflex.results.stated_error import error_shares
 from lcpflex.results.summary import doubts
 from lcpflex.runs.limits import TOO_LATE
 from tests.property.built_scenes import stepper_of
@@ -64,7 +63,7 @@ class Errors:
 
     off: float = 0.0  # the largest of a place
     off_speed: float = 0.0  # of a velocity
-    stated: float = 0.0  # the result's own
+    stated: float = 0.0  # the result's own, where reruns have measured it
     stated_speed: float = 0.0
     depth: float = 0.0  # of bodies in each other or in walls, beyond that of the reference
     known: float = 1.0  # share of the instants at which velocities have a truth
@@ -162,7 +161,7 @@ def judge_result(drawn: Drawn, result: lf.Result, truth: Truth) -> Errors:
     right = truth.first.result
     held = np.flatnonzero(right.times <= truth.until)
     depth = seen.depth(result, rows) - max(0.0, truth.first.seen.depth(right, held))
-    place, speed = error_shares(result) or (0.0, 0.0)
+    place, speed = (0.0, 0.0) if result.error is None else (result.error.place_share, result.error.speed_share)
     off_speed = float(speeds.max()) / truth.speed
     return Errors(off, off_speed, place, speed, max(0.0, depth) / truth.size, known)
 

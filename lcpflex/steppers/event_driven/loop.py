@@ -38,7 +38,7 @@ from lcpflex.steppers.recorder import (
     store_contacts,
     store_state,
 )
-from lcpflex.steppers.runge_kutta import add_errors, copy_state, interpolate
+from lcpflex.steppers.runge_kutta import copy_state, interpolate
 from lcpflex.steppers.status import RunStatus
 
 __all__ = ["CHOOSING", "COLLIDING", "STEPPING", "advance", "record"]
@@ -284,7 +284,6 @@ def advance(
         else:  # GATHERING, SETTLING, CLOSING_STEP: all end in a projection
             n = memory.n_contacts
             if phase == CLOSING_STEP:
-                add_errors(model, memory.y, memory.slopes, memory.share * memory.step_taken, recorder.local)
                 close_step(model, settings, memory)
             elif phase == SETTLING:
                 note_changes(work, memory)

@@ -216,7 +216,6 @@ class MasslessBoundary:
         remarks = Remarks(system, self.step, _lost(given, parted))
         support = Support(
             grown=_grown,
-            carried=lambda work: (work,),
             warnings=remarks.warnings,
             trouble=remarks.trouble,
             hint=UNSOLVED,

@@ -23,7 +23,6 @@ from lcpflex.steppers.runge_kutta import (
     STAGES,
     C,
     E,
-    add_errors,
     copy_state,
     error_norm,
     interpolate,
@@ -234,7 +233,6 @@ def advance(
             status = step(model, settings, work, memory)
             memory.phase = EMITTING if status == RunStatus.DONE else STEPPING
         elif phase == CLOSING:
-            add_errors(model, memory.y, memory.slopes, memory.step_taken, recorder.local)
             status = close_step(model, settings, work, memory, recorder)
             memory.phase = NOTING
         elif phase in (NOTING, BEFORE):

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.integrate import BDF, Radau
 
 from lcpflex.basics.pulse import BEATS
 from lcpflex.dynamics.acceleration import project
@@ -30,15 +29,13 @@ from lcpflex.steppers.smooth.explicit import (
 )
 from lcpflex.steppers.smooth.run import SmoothSteps
 from lcpflex.steppers.smooth.slope import horizon, record, slope
-from lcpflex.steppers.state_numbers import as_velocities, usual_numbers
+from lcpflex.steppers.state_numbers import usual_numbers
 from lcpflex.steppers.status import RunStatus
 
 __all__ = ["ImplicitSteps"]
 
 DIFFERENCE = 1e-8  # relative increment of the differences that make the Jacobian
 ENTRY = 1e-3  # of a step: the most that a restarted one begins behind the beginning of a contact
-# error of an accepted step over its tolerance: SciPy tells none; of Radau's method it controls a result of order 3
-ACCEPTED = {Radau: 0.01, BDF: 0.3}
 LEAST = 1e-2  # of what is usual: magnitude below which it is no longer relative
 Dense = Callable[[float], npt.NDArray[np.float64]]
 
@@ -153,10 +150,6 @@ class ImplicitSteps:
             self._short = float(self._ode.t) - begin < ALL_OF_IT * wanted
         if between is None:
             return RunStatus.STEP_TOO_SHORT
-        tolerance = self._settings.atol + self._settings.rtol * np.abs(self._ode.y[: self._base])
-        self._steps.records.recorder.local[:] += ACCEPTED[self._method] * as_velocities(
-            self._system, self._ode.y[: self._nq], tolerance
-        )
         length = float(self._ode.t) - begin
         ended = float(self._ode.t) if share == 1.0 else begin + share * length
         end = self._ode.y.copy() if share == 1.0 else between(ended)

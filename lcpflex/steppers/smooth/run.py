@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
@@ -12,7 +11,7 @@ from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import IntArray
 from lcpflex.steppers.coarse_touches import Touches, rounded_down
 from lcpflex.steppers.law_run import law_warnings, too_deep
-from lcpflex.steppers.rates import UNSTORED, strides_of
+from lcpflex.steppers.rates import strides_of
 from lcpflex.steppers.records import Records
 from lcpflex.steppers.smooth.explicit import (
     STEPPING,
@@ -24,7 +23,6 @@ from lcpflex.steppers.smooth.memory import (
     smooth_memory,
 )
 from lcpflex.steppers.status import RunStatus
-from lcpflex.steppers.step_error import Sampling
 from lcpflex.steppers.system import System
 
 __all__ = ["SmoothSteps"]
@@ -72,8 +70,6 @@ class SmoothSteps:
             strides_of(self.records.recorder.rates, fixed_step)
             self.records.touches = Touches(self.history.touches, fixed_step)
             self.work.span[:] = 0.5 * fixed_step  # loads by their mean over a step
-            total = math.ceil(settings.duration / fixed_step)
-            self.records.sampling = Sampling(self, total, total)
         self._unused: list[str] = []
         bouncing = [
             name for name, e in zip(system.names, system.model.contacts.restitution.tolist(), strict=True) if e > 0.0
@@ -149,21 +145,3 @@ class SmoothSteps:
                 f"{rounded_down(STABLE / self.clock.frequency):.2g} s)"
             )
         return [*warnings, *self.records.touches.warnings(self.system.names)], []
-
-    def state(self) -> tuple[Any, ...]:
-        """All that a step changes, q and u first."""
-        nq, y = len(self.system.q), self.clock.y
-        return (y[:nq], y[nq : nq + len(self.system.u)], self.clock, self.history)
-
-    def half_steps(self, time: float, done: int, count: int) -> int:
-        """``count`` steps of half the length, after ``done`` ones since ``time`` [s]; what the loop returned."""
-        halved = self.settings._replace(duration=math.inf, max_step=0.5 * self.settings.max_step, stride=UNSTORED)
-        target = self.clock.steps + count
-        self.work.span[:] *= 0.5
-        try:
-            while True:
-                status = self._advance(self.system.model, halved, self.work, self.clock, self.records.recorder, target)
-                if status not in (RunStatus.PASSED, RunStatus.PAUSE):
-                    return int(status)
-        finally:
-            self.work.span[:] *= 2.0

@@ -301,3 +301,18 @@ def test_mechanics_of_a_scene_whose_functions_no_file_keeps_are_refused(lost: st
         with pytest.raises(ModelError, match=f"result from a file, which keeps {kept}"):
             found.compiled.at(t=0.1)
         np.testing.assert_array_equal(found.point("disc", "center"), result.point("disc", "center"))
+
+
+def test_stated_errors_of_older_files_are_left_out(bounce: Result, tmp_path: Path) -> None:
+    """Files of results that stated the error of their steps are read, and where it went is told."""
+    path = bounce.save(tmp_path / "old.npz")
+    with np.load(path) as file:
+        arrays = {name: file[name] for name in file.files}
+    structure = json.loads(str(arrays["structure"]))
+    structure["fields"] |= {"place_error": 0.25, "speed_error": None}
+    np.savez(path, **arrays | {"structure": np.array(json.dumps(structure))})
+    found = Result.load(path)
+    assert_same(bounce, found)
+    for old, new in (("place_error", "place"), ("speed_error", "speed")):
+        with pytest.raises(AttributeError, match=rf"'{old}': .*result.verify\(\) .*result.error.{new}$"):
+            getattr(found, old)

@@ -103,7 +103,6 @@ def test_facts_of_the_run_are_told(of_file: Result) -> None:
     assert told["stepper"] == of_file.stepper
     assert told["duration"] == 0.5
     assert told["lcpflex"] == VERSION
-    assert "place_error" not in told  # not known
     assert "strict" not in of_file.to_xarray()
 
 

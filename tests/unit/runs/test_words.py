@@ -164,7 +164,7 @@ def test_compiled_loops_return_when_the_pulse_beats(kind: str, monkeypatch: pyte
     assert returns[0] > (0.5 if kind == "adaptive" else 0.99) * often.steps
     returns[0] = 0
     seldom = lf.simulate(pulled(kind, silent), SPAN, RUNS[kind][1])
-    for name in ("times", "q", "u", "force", "impulse", "place_error"):
+    for name in ("times", "q", "u", "force", "impulse"):
         assert np.array_equal(getattr(often, name), getattr(seldom, name), equal_nan=True), name
 
 
@@ -210,7 +210,7 @@ def test_a_run_goes_on_with_another_budget(kind: str, tmp_path: Path, monkeypatc
         assert "the budget of 1 s of computing is spent at t = " in part.message
         part, parts = lf.resume(path, budget=1.0), parts + 1
     assert parts > 1
-    for name in ("times", "q", "u", "force", "impulse", "place_error"):
+    for name in ("times", "q", "u", "force", "impulse"):
         assert np.array_equal(getattr(part, name), getattr(whole, name), equal_nan=True), name
 
 

@@ -236,9 +236,15 @@ def test_neither_motion_nor_forces_depend_on_which_instants_are_stored(stepper: 
     assert np.array_equal(often.force[::5], seldom.force)
 
 
+def made_exactly(run: Any, steps: int) -> None:
+    target = run.steps + steps
+    while run.steps < target:  # it returns now and then, as a clock has it
+        assert run.advance(target - run.steps) == ""
+
+
 def started(scene: lf.Scene, steps: int) -> Any:
     run: Any = lf.MoreauJean(1e-3).start(scene.compiled().system(), 1.0, 1.0)
-    assert run.make(steps) == ""
+    made_exactly(run, steps)
     return run
 
 
@@ -272,7 +278,7 @@ def test_joints_of_a_large_island_begin_with_the_impulses_of_the_step_before() -
     work = run.method.stepping.work
     assert work.n_contacts > work.dense_limit
     for _ in range(5):
-        assert run.make(1) == ""
+        made_exactly(run, 1)
         assert (work.large_solver.factors, work.large_solver.sweeps) == (0, 0)
         assert work.large_solver.residual <= 1e-9
     assert np.abs(run.method.stepping.scheme.u).max() < 1e-9
