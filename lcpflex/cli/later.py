@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from lcpflex.jit.cache import lost
     from lcpflex.jit.keys import LEVELS
     from lcpflex.jit.late import compile_all
+    from lcpflex.runs.named_steppers import kind_named
     from lcpflex.runs.simulate import simulate
     from lcpflex.solvers.arguments import check_repeats
     from lcpflex.solvers.benchmark.comparison import all_solvers

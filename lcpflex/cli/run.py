@@ -11,11 +11,9 @@ from lcpflex.cli import later
 from lcpflex.cli.reading import check_files, duration_of, save_figure
 from lcpflex.cli.scenes import scene_named
 from lcpflex.errors import ModelError, shown
+from lcpflex.runs.named_steppers import NAMES
 
 __all__ = ["add_gallery", "add_run"]
-
-STEPPERS = ("moreau-jean", "event-driven", "generalized-alpha", "massless-boundary", "smooth")
-STEP = 1e-4  # of a stepper that is asked for by name without a step [s]
 
 
 def add_gallery(commands: Any) -> None:
@@ -28,7 +26,7 @@ def add_run(commands: Any) -> None:
     """Add the command to the subparsers."""
     run = commands.add_parser("run", help="run one scene and print its summary")
     run.add_argument("scene", metavar="SCENE", help="a name from `lcpflex gallery`, or file.py:function")
-    run.add_argument("--stepper", choices=STEPPERS, help="default: the one of the scene")
+    run.add_argument("--stepper", choices=tuple(NAMES), help="default: the one of the scene, else one that is chosen")
     run.add_argument("--step", type=float, metavar="SECONDS", help="step; largest step of event-driven and smooth")
     run.add_argument("--stiffness", type=float, metavar="N/M", help="of every contact, for --stepper smooth")
     run.add_argument("--duration", type=float, metavar="SECONDS", help="default: the one of the scene")
@@ -69,24 +67,18 @@ def _run(request: argparse.Namespace) -> int:
 
 
 def _stepper(name: str | None, step: float | None, stiffness: float | None, own: Any) -> Any:
-    """The stepper asked for, else the scene's own, with the numbers asked for."""
+    """The stepper asked for, else the scene's own, with the numbers asked for, else what ``simulate`` takes for it."""
     if stiffness is not None and name != "smooth":
         raise ModelError("--stiffness: given without --stepper smooth; rigid contact has none")
-    kinds: dict[str, Any] = {
-        "moreau-jean": later.MoreauJean,
-        "event-driven": later.EventDriven,
-        "generalized-alpha": later.GeneralizedAlpha,
-        "massless-boundary": later.MasslessBoundary,
-    }
     if name == "smooth":
         if stiffness is None:
             raise ModelError("--stiffness: not given; expected the stiffness of the contacts in N/m")
         integrator = later.ExplicitRungeKutta() if step is None else later.ExplicitRungeKutta(max_step=step)
         return later.Smooth(later.Penalty(stiffness), integrator=integrator)
-    kind: Any = later.MoreauJean if name is None and own is None else type(own) if name is None else kinds[name]
+    if name is not None and type(own) is not later.kind_named(name):
+        own = None
+    if step is None:
+        return name if own is None else own
+    kind: Any = later.kind_named(name or "moreau-jean") if own is None else type(own)
     option = "step" if "step" in {field.name for field in fields(kind)} else "max_step"
-    if type(own) is kind:
-        return own if step is None else replace(own, **{option: step})
-    if kind in (later.MoreauJean, later.GeneralizedAlpha):
-        return kind(step=step or STEP)
-    return kind() if step is None else kind(**{option: step})
+    return kind(**{option: step}) if own is None else replace(own, **{option: step})

@@ -27,7 +27,7 @@ from lcpflex.results.motion_units import has_moved
 from lcpflex.results.result import Event, Result
 from lcpflex.results.stored_instants import stored_as
 from lcpflex.runs.page_result import touching_points, with_creep
-from lcpflex.runs.setup import Run, Setup, Stepper
+from lcpflex.runs.setup import Options, Run, Setup, Stepper
 from lcpflex.runs.touched import told
 from lcpflex.steppers.law_run import friction_warnings
 
@@ -107,10 +107,20 @@ def collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, c
                 grown,
             ),
         ),
-        notes=(*(compiled.notes if compiled is not None else ()), *options.notes, *run.records.notes),
+        notes=(
+            *(compiled.notes if compiled is not None else ()),
+            *_choice(options),
+            *options.notes,
+            *run.records.notes,
+        ),
         impact_step=run.records.impact_step,
         step_tolerance=run.records.step_tolerance(data["q"]),
     )
+
+
+def _choice(options: Options) -> tuple[str, ...]:
+    """How the stepper was chosen, where the library did."""
+    return (options.choice.note,) if options.choice is not None and options.choice.why else ()
 
 
 def check_result(result: Result, setup: Setup, run: Run) -> Result:

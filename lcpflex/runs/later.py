@@ -1,4 +1,4 @@
-"""What is loaded for a run with sensors."""
+"""What is loaded for a run with sensors, and for one whose stepper is given by its name."""
 
 from __future__ import annotations
 
@@ -8,5 +8,9 @@ from lcpflex.basics.lazy import attach
 
 if TYPE_CHECKING:
     from lcpflex.results.measures import Unmeasured, Window, columns_of, known, measured
+    from lcpflex.steppers.event_driven.stepper import EventDriven
+    from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
+    from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
+    from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 
 __getattr__, __dir__ = attach(__name__)

@@ -1,11 +1,16 @@
-"""What may end a run before its duration: energy that contact impulses create, and a budget of computing time."""
+"""What may end a run before its duration: energy that contacts create, a budget of time, and one of counted work."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from lcpflex.basics.stopwatch import Budget
 from lcpflex.results.energy_balance import GROWTH, created
 from lcpflex.runs.setup import Run
 from lcpflex.steppers.user_functions import advance
+
+if TYPE_CHECKING:
+    from lcpflex.runs.default_stepper import Choice
 
 __all__ = ["TOO_LATE", "Limits"]
 
@@ -21,12 +26,15 @@ class Limits:
         What lets contact impulses of the run create energy, for the message; empty where they may.
     budget
         Of computing.
+    choice
+        How the stepper was chosen, and how much work it may take; None where it was given.
     """
 
-    def __init__(self, growth: str, budget: Budget) -> None:
-        self._growth, self._budget = growth, budget
+    def __init__(self, growth: str, budget: Budget, choice: Choice | None = None) -> None:
+        self._growth, self._budget, self._choice = growth, budget, choice
         self._known = 0.0  # energy created so far that has been found to be rounding [J]
         self.late = False  # whether the budget has ended the run
+        self.grown = False  # whether energy has
 
     def advance(self, run: Run, n_steps: int) -> str:
         """Make up to n_steps steps of the run; empty, or why it cannot go on."""
@@ -44,6 +52,10 @@ class Limits:
         self.late = not run.finished and self._budget.is_spent
         return f"{TOO_LATE} {self._budget.seconds:g} s of computing is spent" if self.late else ""
 
+    def overworked(self, run: Run) -> str:
+        """That the run has taken more work than a stepper that was chosen may take; also of one at its end."""
+        return "" if self._choice is None else self._choice.overworked(run)
+
     def _grown(self, run: Run) -> str:
         """Why the energy created so far is too much; empty if it is not."""
         gain = run.records.gain
@@ -52,4 +64,5 @@ class Limits:
         self._known = gain[0]
         if gain[0] <= GROWTH * run.records.energy_scale():
             return ""
+        self.grown = True
         return created(gain, self._growth) + "; energy_growth=EnergyGrowth.WARN goes on"

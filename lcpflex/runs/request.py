@@ -11,7 +11,7 @@ from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.problem_log import RecordProblems
 from lcpflex.results.stored_instants import DENSE
 
-__all__ = ["checked_budget", "checked_request"]
+__all__ = ["checked_budget", "checked_request", "stored_interval"]
 
 INSTANTS = 1000  # stored when no interval is asked for
 MOST_STEPS = 1e12  # of fixed length: weeks of computing
@@ -35,13 +35,16 @@ def checked_request(
     """
     span = in_range("duration", duration, 0.0, math.inf, open_ends=True)
     if isinstance(stepper, type) or not callable(getattr(stepper, "start", None)):
-        raise ModelError(f"stepper: {shown(stepper)} was given, expected a stepper such as MoreauJean(step=1e-4)")
+        raise ModelError(
+            f"stepper: {shown(stepper)} was given, expected a stepper such as MoreauJean(step=1e-4), the name of one, "
+            "or None"
+        )
     step = getattr(stepper, "step", None)
     if isinstance(step, float) and span > MOST_STEPS * step:
         raise ModelError(
             f"duration: {span:g} s was given, {span / step:.3g} steps of {step:g} s, expected at most {MOST_STEPS:g}"
         )
-    interval = min(_interval(record, span, stepper), span)  # beyond it, the first and the last instant are stored
+    interval = stored_interval(record, span, stepper)
     if not isinstance(energy_growth, EnergyGrowth):
         known = ", ".join(f"EnergyGrowth.{one.name}" for one in EnergyGrowth)
         raise ModelError(f"energy_growth: {shown(energy_growth)} was given, expected one of {known}")
@@ -53,6 +56,11 @@ def checked_request(
 def checked_budget(budget: Any) -> float | None:
     """Seconds of computing that a run may take; None for any."""
     return None if budget is None else in_range("budget", budget, 0.0, math.inf, open_ends=True)
+
+
+def stored_interval(record: Any, span: float, stepper: Any) -> float:
+    """Time between stored instants [s], as ``checked_request`` returns it."""
+    return min(_interval(record, span, stepper), span)  # beyond it, the first and the last instant are stored
 
 
 def _interval(record: Any, span: float, stepper: Any) -> float:

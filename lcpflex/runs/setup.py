@@ -19,6 +19,7 @@ from lcpflex.steppers.user_functions import watch
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
+    from lcpflex.runs.default_stepper import Choice
     from lcpflex.scene.spatial.scene import SpatialScene
     from lcpflex.steppers.records import Records
     from lcpflex.steppers.system import System
@@ -66,6 +67,7 @@ class Options:
     began_wrong: tuple[str, ...] = ()  # clauses: why what it began from is not to be trusted
     every: float = 0.0  # between checkpoints [s]
     records_problems: bool = False
+    choice: Choice | None = None  # of the stepper, where none was given
 
 
 @dataclass(frozen=True, slots=True)

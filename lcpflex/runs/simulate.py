@@ -7,7 +7,7 @@ import time
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from lcpflex.basics.progress import Progress
+from lcpflex.basics.progress import Progress, tell
 from lcpflex.basics.pulse import beating
 from lcpflex.basics.stopwatch import Budget, Stopwatch
 from lcpflex.checks.wound_springs import wound_spring
@@ -22,7 +22,7 @@ from lcpflex.runs.checkpoint import Checkpoints
 from lcpflex.runs.collected import check_result, collect, growth_cause
 from lcpflex.runs.initial_state import began_wrong, started_from
 from lcpflex.runs.limits import Limits
-from lcpflex.runs.request import checked_budget, checked_request
+from lcpflex.runs.request import checked_budget, checked_request, stored_interval
 from lcpflex.runs.setup import Options, Run, Setup, Stepper, compiled_for, set_up
 from lcpflex.runs.words import RunWords
 from lcpflex.statics.rest import Rest
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 __all__ = ["Stepper", "carry_out", "given_up_after", "kind_of_run", "simulate"]
 
 CHUNK_SECONDS = 0.1  # wall time between looks at progress and at Ctrl-C
+LEAST_BUDGET = 1e-9  # that is left to a run that begins anew [s]
 NAMED = 8  # closed contacts that an error names
 
 
@@ -54,7 +55,7 @@ def kind_of_run(scene: object, stepper: object) -> str:
 def simulate(
     scene: Scene | SpatialScene | UserSystem,
     duration: float,
-    stepper: Stepper,
+    stepper: Stepper | str | None = None,
     *,
     record: float | str | None = None,
     progress: bool | None = None,
@@ -76,7 +77,11 @@ def simulate(
         Time to simulate [s], > 0.
     stepper
         ``MoreauJean(step)``, ``GeneralizedAlpha(step)``, ``EventDriven()``, ``MasslessBoundary()`` or ``Smooth(law)``,
-        with its solver.
+        with its solver; or a name as of ``lcpflex run --stepper`` ("moreau-jean", "event-driven", ...), which takes its
+        step from the scene. None: event-driven stepping, but where more than twelve bodies may lie on each other or
+        flexible ones may, where modes would take too many steps, and where it stops or takes too much work: then the
+        run is begun anew with generalised-alpha (rigid piles: Moreau-Jean), at a step that is good for a first look.
+        A note of the result says which it is, why, and how to pin it; what is counted is the scene's, not the clock's.
     record
         Time between stored instants [s]; a thousandth of the duration by default, and never less than a step; 0 stores
         each step. "dense": all that :meth:`Result.at` needs, each step and with ``EventDriven`` its middle, too.
@@ -123,18 +128,29 @@ def simulate(
     StepError
         If a step cannot be made; its ``result`` holds everything up to there.
     """
+    wish = None
+    if stepper is None or isinstance(stepper, str):
+        from lcpflex.runs.default_stepper import Wish  # which runs of a given stepper do without
+
+        wish = Wish(stepper, duration)
+        stepper = wish.expected
     duration, interval, progress, project = checked_request(
         duration, stepper, record, progress, project, energy_growth, record_problems
     )
     with expecting(kind_of_run(scene, stepper)):
         source = compiled_for(scene, stepper, project or isinstance(initial, Rest), project and initial is None)
+        choice = None
+        if wish is not None:
+            choice = wish.choice(source if initial is None else started_from(source, initial, stepper)[0])
+            stepper = choice.stepper
+            interval = stored_interval(record, duration, stepper)
         notes: tuple[str, ...] = ()
         if initial is not None:
             source, notes = started_from(source, initial, stepper)
         records_problems = record_problems is not None
         every = in_range("every", every, 0.0, float("inf"))
         wrong = began_wrong(initial)
-        options = Options(duration, interval, project, energy_growth, notes, wrong, every, records_problems)
+        options = Options(duration, interval, project, energy_growth, notes, wrong, every, records_problems, choice)
         budget = checked_budget(budget)
         keeper = None if checkpoint is None else Checkpoints(checkpoint, every)
         if keeper is not None:
@@ -164,9 +180,10 @@ def carry_out(
     kept: Checkpoint | None = None,
     budget: float | None = None,
     fails: bool = False,
+    spent: tuple[float, float] = (0.0, 0.0),
 ) -> Result:
     """Make the run to its end: from its beginning, or from a checkpoint ``kept`` of it, or until its ``budget`` [s] is
-    spent, which is an error if it ``fails`` then.
+    spent, which is an error if it ``fails`` then. ``spent``: on computing and on compiling before [s].
 
     Raises ModelError where the checkpoints of ``keeper`` cannot be written, and StepError as ``simulate`` does.
     """
@@ -175,8 +192,7 @@ def carry_out(
     clock = Stopwatch()
     run = setup.run()
     errs = options.energy_growth is EnergyGrowth.ERROR
-    limits = Limits(growth_cause(stepper, system) if errs else "", Budget(budget, clock))
-    spent = (0.0, 0.0)
+    limits = Limits(growth_cause(stepper, system) if errs else "", Budget(budget, clock), options.choice)
     message: str = ""
     cause: Exception | None = None
     if kept is not None:
@@ -193,8 +209,13 @@ def carry_out(
             message, cause = _advance_all(setup, run, limits, progress, keeper)
         except KeyboardInterrupt:
             interrupted = True
+    anew = None if interrupted else _begun_anew(setup, run, limits, message, cause)
     if keeper is not None:
-        keeper.end(interrupted or limits.late or not message)
+        keeper.end(anew is None and (interrupted or limits.late or not message))
+    if anew is not None:
+        computing, loading = clock.ended()
+        left = None if budget is None else max(budget - computing, LEAST_BUDGET)
+        return carry_out(anew, progress, keeper, None, left, fails, (spent[0] + computing, spent[1] + loading))
     try:
         error = setup.sensing.finish(run.records)
     except KeyboardInterrupt:
@@ -227,6 +248,22 @@ def carry_out(
             result=result,
         ) from cause
     return result
+
+
+def _begun_anew(setup: Setup, run: Run, limits: Limits, message: str, cause: Exception | None) -> Setup | None:
+    """The run with the other stepper where the one that was chosen stops; None where it does not, or none is left.
+
+    What a function of the user's raises, and what the user has asked to be an error, ends the run under any stepper.
+    """
+    choice = setup.options.choice
+    by_method = message and not limits.late and not limits.grown and (cause is None or isinstance(cause, SolverError))
+    if not by_method or choice is None or choice.other is None:
+        return None
+    choice = choice.instead(run, message)
+    tell(choice.note, quiet=True)
+    options = replace(setup.options, choice=choice, interval=max(setup.options.interval, 0.0))  # < 0: events alone
+    log = setup.problem_log
+    return set_up(setup.source, choice.stepper, options, None if log is None else log.request)
 
 
 def _closed(touching: tuple[str, ...]) -> str:
@@ -268,7 +305,11 @@ def _advance_all(
     bar = Progress(progress, words, what="simulate", total=duration, initial=run.time, unit="s", bar_format=bar_format)
     chunk = 16
     with beating(), bar:
-        while not run.finished:
+        while True:
+            if message := limits.overworked(run):
+                return message, None
+            if run.finished:
+                return "", None
             began, before = time.perf_counter(), run.steps
             if keeper is not None:
                 keeper.chunk_begins()
@@ -283,4 +324,3 @@ def _advance_all(
             spent = time.perf_counter() - began
             made = max(1, run.steps - before)  # fewer than asked for where they are slow
             chunk = max(1, min(2 * chunk, int(made * CHUNK_SECONDS / max(spent, 1e-9))))
-    return "", None

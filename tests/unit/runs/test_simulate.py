@@ -26,7 +26,7 @@ def falling_ball(**contact: float) -> lf.Scene:
         ({"duration": math.nan}, "duration"),
         ({"duration": "1 s"}, "duration"),
         ({"record": -0.1}, "record"),
-        ({"stepper": "moreau-jean"}, "stepper"),
+        ({"stepper": "moreau-jan"}, "stepper"),
         ({"stepper": lf.MoreauJean}, "stepper"),
         ({"scene": "ball"}, "scene"),
     ],
