@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from lcpflex.basics.lazy import attach
 
 if TYPE_CHECKING:
+    from lcpflex.accuracy.verify import verify
     from lcpflex.results.archive import read, write
     from lcpflex.results.charts import plot
     from lcpflex.results.film import animate

@@ -59,6 +59,22 @@ class Units:
                 moved[..., b] += self._bent(b, change)
         return moved
 
+    def parts(self, change: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """By how much small changes move the point of a body that they move farthest, (..., count) each.
+
+        Without the rotation of the body, and that times its extent. Modes count with their signs.
+        """
+        components, rigid = self._size.components, self._size.rigid
+        moved, turned = np.zeros((2, *change.shape[:-1], self.count))
+        for b, (first, last, extent, phi) in enumerate(self._bodies):
+            moved[..., b] = lengths(change[..., first : first + components])
+            turned[..., b] = extent * lengths(change[..., first + components : first + rigid])
+            if phi.size:
+                bent = change[..., first + rigid : last] @ phi.T
+                places = bent.reshape(*bent.shape[:-1], phi.shape[0] // components, components)
+                moved[..., b] += lengths(places).max(axis=-1)
+        return moved, turned
+
     def largest(self, change: FloatArray) -> float:
         """Largest of :meth:`of` over the m rows of ``change`` (m, ndof).
 

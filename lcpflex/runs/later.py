@@ -1,4 +1,4 @@
-"""What is loaded for a run with sensors, and for one whose stepper is given by its name."""
+"""What is loaded for a run with sensors, one whose stepper is given by its name, and one that is verified."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from lcpflex.basics.lazy import attach
 
 if TYPE_CHECKING:
+    from lcpflex.accuracy.verify import is_cheap, verify
     from lcpflex.results.measures import Unmeasured, Window, columns_of, known, measured
     from lcpflex.steppers.event_driven.stepper import EventDriven
     from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha

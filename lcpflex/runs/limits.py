@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from lcpflex.basics.stopwatch import Budget
@@ -28,16 +29,19 @@ class Limits:
         Of computing.
     choice
         How the stepper was chosen, and how much work it may take; None where it was given.
+    most
+        Steps and events, after which the run ends.
     """
 
-    def __init__(self, growth: str, budget: Budget, choice: Choice | None = None) -> None:
-        self._growth, self._budget, self._choice = growth, budget, choice
+    def __init__(self, growth: str, budget: Budget, choice: Choice | None = None, most: float = math.inf) -> None:
+        self._growth, self._budget, self._choice, self._most = growth, budget, choice, most
         self._known = 0.0  # energy created so far that has been found to be rounding [J]
         self.late = False  # whether the budget has ended the run
         self.grown = False  # whether energy has
 
     def advance(self, run: Run, n_steps: int) -> str:
         """Make up to n_steps steps of the run; empty, or why it cannot go on."""
+        n_steps = int(min(n_steps, max(self._most - run.steps, 0)))
         if not self._growth:
             return advance(run, n_steps)
         message = advance(run, 0)
@@ -49,7 +53,10 @@ class Limits:
 
     def spent(self, run: Run) -> str:
         """That the run has computed for too long; empty where it has not, or has come to its end."""
-        self.late = not run.finished and self._budget.is_spent
+        many = run.steps + len(run.events) >= self._most
+        self.late = not run.finished and (many or self._budget.is_spent)
+        if self.late and many:
+            return f"{TOO_LATE} {self._most:,.0f} steps and events is spent"
         return f"{TOO_LATE} {self._budget.seconds:g} s of computing is spent" if self.late else ""
 
     def overworked(self, run: Run) -> str:

@@ -11,7 +11,7 @@ from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.problem_log import RecordProblems
 from lcpflex.results.stored_instants import DENSE
 
-__all__ = ["checked_budget", "checked_request", "stored_interval"]
+__all__ = ["checked_budget", "checked_request", "checked_verify", "stored_interval"]
 
 INSTANTS = 1000  # stored when no interval is asked for
 MOST_STEPS = 1e12  # of fixed length: weeks of computing
@@ -61,6 +61,13 @@ def checked_budget(budget: Any) -> float | None:
 def stored_interval(record: Any, span: float, stepper: Any) -> float:
     """Time between stored instants [s], as ``checked_request`` returns it."""
     return min(_interval(record, span, stepper), span)  # beyond it, the first and the last instant are stored
+
+
+def checked_verify(verify: Any) -> bool | str:
+    """Whether a run is verified: True, False or "auto"."""
+    if isinstance(verify, bool) or (isinstance(verify, str) and verify == "auto"):
+        return verify
+    raise ModelError(f"verify: {shown(verify)} was given, expected True, False or 'auto'")
 
 
 def _interval(record: Any, span: float, stepper: Any) -> float:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lcpflex.basics.progress import Progress, tell
 from lcpflex.basics.pulse import beating
@@ -18,11 +19,13 @@ from lcpflex.results.energy_balance import (
 )
 from lcpflex.results.problem_log import ProblemLog, RecordProblems
 from lcpflex.results.result import Result
+from lcpflex.runs import later
 from lcpflex.runs.checkpoint import Checkpoints
 from lcpflex.runs.collected import check_result, collect, growth_cause
 from lcpflex.runs.initial_state import began_wrong, started_from
 from lcpflex.runs.limits import Limits
-from lcpflex.runs.request import checked_budget, checked_request, stored_interval
+from lcpflex.runs.origin import Origin
+from lcpflex.runs.request import checked_budget, checked_request, checked_verify, stored_interval
 from lcpflex.runs.setup import Options, Run, Setup, Stepper, compiled_for, set_up
 from lcpflex.runs.words import RunWords
 from lcpflex.statics.rest import Rest
@@ -66,6 +69,7 @@ def simulate(
     checkpoint: str | os.PathLike[str] | None = None,
     every: float = 60.0,
     budget: float | None = None,
+    verify: bool | str = False,
 ) -> Result:
     """Advance ``scene`` over ``duration`` [s] with ``stepper``.
 
@@ -114,6 +118,10 @@ def simulate(
     budget
         Seconds of computing, compilation not counted, after which the run ends where it is: None for any. A step that
         is under way is finished, and with ``checkpoint`` the file is written, from which ``resume`` goes on.
+    verify
+        Whether to measure the error of the run by reruns (:meth:`Result.verify`), which take some six times its work
+        and call functions of the user again: ``result.error`` holds it then. "auto": where the run is small, by its
+        steps, coordinates and contacts, so that the same script says the same words on every machine.
 
     Returns
     -------
@@ -137,6 +145,7 @@ def simulate(
     duration, interval, progress, project = checked_request(
         duration, stepper, record, progress, project, energy_growth, record_problems
     )
+    verify = checked_verify(verify)
     with expecting(kind_of_run(scene, stepper)):
         source = compiled_for(scene, stepper, project or isinstance(initial, Rest), project and initial is None)
         choice = None
@@ -155,7 +164,21 @@ def simulate(
         keeper = None if checkpoint is None else Checkpoints(checkpoint, every)
         if keeper is not None:
             keeper.refuse_others()
-        return carry_out(set_up(source, stepper, options, record_problems), progress, keeper, budget=budget)
+        result = carry_out(set_up(source, stepper, options, record_problems), progress, keeper, budget=budget)
+    return _verified(result, verify, scene, progress)
+
+
+def _verified(result: Result, verify: bool | str, scene: Any, progress: bool | None) -> Result:
+    """The result, with its error where that was asked for; an interruption leaves it as it is."""
+    result = replace(result, origin=replace(result.origin, scene=scene))
+    if verify is False or not result.complete:
+        return result
+    if verify is True or later.is_cheap(result):
+        try:
+            later.verify(result, progress=progress)
+        except KeyboardInterrupt:
+            return replace(result, notes=(*result.notes, "the verification was interrupted: the error is not known"))
+    return result
 
 
 def given_up_after(
@@ -181,9 +204,11 @@ def carry_out(
     budget: float | None = None,
     fails: bool = False,
     spent: tuple[float, float] = (0.0, 0.0),
+    most: float = math.inf,
 ) -> Result:
     """Make the run to its end: from its beginning, or from a checkpoint ``kept`` of it, or until its ``budget`` [s] is
-    spent, which is an error if it ``fails`` then. ``spent``: on computing and on compiling before [s].
+    spent or it has made the ``most`` steps and events that it may, which is an error if it ``fails`` then. ``spent``:
+    on computing and on compiling before [s].
 
     Raises ModelError where the checkpoints of ``keeper`` cannot be written, and StepError as ``simulate`` does.
     """
@@ -192,7 +217,7 @@ def carry_out(
     clock = Stopwatch()
     run = setup.run()
     errs = options.energy_growth is EnergyGrowth.ERROR
-    limits = Limits(growth_cause(stepper, system) if errs else "", Budget(budget, clock), options.choice)
+    limits = Limits(growth_cause(stepper, system) if errs else "", Budget(budget, clock), options.choice, most)
     message: str = ""
     cause: Exception | None = None
     if kept is not None:
@@ -230,6 +255,7 @@ def carry_out(
     if interrupted or limits.late:
         note += f" at t = {run.time:.6g} s"
     result = check_result(collect(setup, run, timing, note, complete), setup, run)
+    result = replace(result, origin=Origin(setup.source, stepper, options))
     if problem_log is not None:
         result = _save_problems(problem_log, result)
     if message and (fails or not limits.late):

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from lcpflex.accuracy.refinement import brief, fineness
 from lcpflex.checks.resolution import unresolved
 from lcpflex.errors import LcpflexError, ModelError, StepError
 from lcpflex.results.energy_balance import EnergyGrowth
@@ -25,11 +26,9 @@ __all__ = [
     "Conditions",
     "Series",
     "Trial",
-    "brief",
     "in_order",
     "is_paradox",
     "predicted",
-    "refined",
     "run_series",
     "scene_warnings",
     "trial",
@@ -196,16 +195,6 @@ def predicted(trials: Sequence[Trial], stepper: Any) -> float:
     return last.wall_time * min(max(growth, 1.0), 10.0)
 
 
-def fineness(stepper: Any) -> tuple[str, float] | None:
-    """What makes a stepper accurate: its tolerance or its step; None if it has neither."""
-    control = getattr(stepper, "adaptive", None)
-    for name, owner in (("rtol", control), ("rtol", stepper), ("step", stepper)):
-        value = getattr(owner, name, None)
-        if isinstance(value, (int, float)) and value > 0.0:
-            return name, float(value)
-    return None
-
-
 def in_order(steppers: Sequence[Stepper]) -> list[Stepper]:
     """From coarse to fine, where one kind of number tells; else as they were given."""
     known = [fineness(stepper) for stepper in steppers]
@@ -213,36 +202,3 @@ def in_order(steppers: Sequence[Stepper]) -> list[Stepper]:
         return list(steppers)
     order = sorted(range(len(steppers)), key=lambda k: -(known[k] or ("", 0.0))[1])
     return [steppers[k] for k in order]
-
-
-def refined(stepper: Any, factor: float) -> Any:
-    """The stepper with its step, or its tolerances, divided by ``factor``; None where it has neither."""
-    found = fineness(stepper)
-    if found is None or not is_dataclass(stepper) or isinstance(stepper, type):
-        return None
-    control = getattr(stepper, "adaptive", None)
-    if control is not None:
-        return replace(stepper, adaptive=_divided(control, ("rtol", "atol", "shortest"), factor))
-    return _divided(stepper, ("rtol", "atol") if found[0] == "rtol" else ("step",), factor)
-
-
-def _divided(owner: Any, names: Sequence[str], factor: float) -> Any:
-    # what follows the scene, or rtol with it, is None
-    given = {name: getattr(owner, name, None) for name in names}
-    values = {name: value / factor for name, value in given.items() if value is not None}
-    return replace(owner, **{name: min(value, 1.0) for name, value in values.items() if math.isfinite(value)})
-
-
-def brief(thing: Any) -> str:
-    """The ``repr`` of a stepper without the numbers that are as they are by default, but with its tolerance."""
-    if isinstance(thing, float):
-        return f"{thing:.4g}"
-    if not is_dataclass(thing) or isinstance(thing, type):
-        return repr(thing)
-    told = []
-    for one in fields(thing):
-        value = getattr(thing, one.name)
-        usual = one.default_factory() if one.default_factory is not MISSING else one.default
-        if one.repr and (one.name == "rtol" or usual is MISSING or repr(value) != repr(usual)):
-            told.append(f"{one.name}={brief(value)}")
-    return f"{type(thing).__name__}({', '.join(told)})"

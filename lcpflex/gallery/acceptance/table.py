@@ -13,10 +13,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from lcpflex.accuracy.refinement import brief
 from lcpflex.gallery.acceptance import bars, coaxial, plates, rigid, space, space_contact, stops
 from lcpflex.gallery.acceptance.check import ROUNDING, Check, Entry, Quantity
 from lcpflex.results.result import Result
-from lcpflex.studies.trial import brief
 
 __all__ = ["LABELS", "Row", "checks", "document", "rows"]
 

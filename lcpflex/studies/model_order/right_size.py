@@ -15,6 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from lcpflex.accuracy.refinement import brief
 from lcpflex.basics.arguments import flag, optional_flag, positive, raised
 from lcpflex.basics.progress import Progress
 from lcpflex.errors import LcpflexError, ModelError, in_range, shown
@@ -26,7 +27,6 @@ from lcpflex.studies.model_order.scenes import FULL, Fidelities, State, comparab
 from lcpflex.studies.model_order.search import Search
 from lcpflex.studies.model_order.steps import HalfSteps, half_steps
 from lcpflex.studies.model_order.verdict import contradictions, remedy
-from lcpflex.studies.trial import brief
 
 __all__ = ["right_size"]
 

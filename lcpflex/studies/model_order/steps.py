@@ -7,10 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from lcpflex.accuracy.refinement import fineness
 from lcpflex.results.summary import with_unit
 from lcpflex.studies.model_order.scenes import State, told
 from lcpflex.studies.model_order.search import Search
-from lcpflex.studies.trial import fineness
 
 if TYPE_CHECKING:
     from lcpflex.studies.model_order.scenes import Fidelities

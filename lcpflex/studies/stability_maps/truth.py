@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.accuracy.refinement import brief, refined
 from lcpflex.errors import LcpflexError, ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.results.energy_balance import EnergyGrowth
@@ -17,7 +18,7 @@ from lcpflex.steppers.event_driven.stepper import EventDriven
 from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
 from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 from lcpflex.studies.outputs import Measured, Output, chosen_outputs, error_between, is_nothing, scale_of_part
-from lcpflex.studies.trial import Conditions, Trial, brief, refined, trial
+from lcpflex.studies.trial import Conditions, Trial, trial
 
 __all__ = ["LIMIT", "Truth", "find_truth", "truth_outputs"]
 

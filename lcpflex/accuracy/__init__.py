@@ -1,0 +1,1 @@
+"""How accurate a run is: measured by reruns, not summed up."""

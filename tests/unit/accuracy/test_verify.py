@@ -1,0 +1,161 @@
+"""The error of a run, measured: against a closed form, by its reruns, from files, and where it is refused."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lcpflex as lf
+from lcpflex.results.measured_error import PARTED
+
+HEIGHT, RADIUS, GRAVITY, BOUNCE = 0.25, 0.05, 9.81, 0.5
+DURATION = 0.6
+
+
+def dropped(**options: object) -> lf.Scene:
+    """A disc above a floor."""
+    scene = lf.Scene(gravity=(0.0, -GRAVITY))
+    disc = scene.add(lf.Disc(radius=RADIUS, mass=1.0), name="disc", position=(0.0, RADIUS + HEIGHT))
+    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    scene.contact(disc.surface(), floor, restitution=BOUNCE, name="floor", **options)  # type: ignore[arg-type]
+    return scene
+
+
+def height(t: np.ndarray) -> np.ndarray:
+    """Of the lowest point, exactly."""
+    found = HEIGHT - 0.5 * GRAVITY * t**2
+    begin, speed = np.sqrt(2.0 * HEIGHT / GRAVITY), BOUNCE * np.sqrt(2.0 * GRAVITY * HEIGHT)
+    while speed > 1e-6:
+        since = t - begin
+        found = np.where(since > 0.0, speed * since - 0.5 * GRAVITY * since**2, found)
+        begin, speed = begin + 2.0 * speed / GRAVITY, BOUNCE * speed
+    return np.where(t > begin, 0.0, found)
+
+
+@pytest.mark.parametrize("stepper", [lf.MoreauJean(step=2e-3), lf.GeneralizedAlpha(step=2e-3)])
+def test_error_covers_the_truth_of_a_bouncing_ball(stepper: object) -> None:
+    result = lf.simulate(dropped(), DURATION, stepper, verify=True)  # type: ignore[arg-type]
+    error = result.error
+    assert error is not None
+    off = np.abs(result.q[:, 1] - RADIUS - height(result.times))
+    assert off.max() <= error.place <= 4.0 * off.max()
+    assert (off[np.searchsorted(result.times, error.times)] <= error.place_curve[:, 0] + 1e-12).mean() > 0.95
+    assert error.whole
+    assert error.horizon == result.times[-1]
+    assert [run.what for run in error.reruns] == ["a quarter of the step", "another method"]
+    assert error.extent == pytest.approx(HEIGHT, rel=0.05)
+    assert error.impulse["floor"] > 0.0
+
+
+def test_event_driven_run_is_checked_by_itself() -> None:
+    result = lf.simulate(dropped(), DURATION, lf.EventDriven(rtol=1e-6))
+    assert result.error is None
+    error = result.verify()
+    assert error is result.error
+    assert np.abs(result.q[:, 1] - RADIUS - height(result.times)).max() <= error.place + 1e-9
+    assert error.place < 1e-9
+    assert [run.what for run in error.reruns] == ["a hundredth of the tolerance"]
+
+
+def test_velocities_near_impacts_are_left_out() -> None:
+    result = lf.simulate(dropped(), 0.4, lf.MoreauJean(step=2e-3), verify=True)
+    assert result.error is not None
+    jump = (1.0 + BOUNCE) * np.sqrt(2.0 * GRAVITY * HEIGHT)
+    assert result.error.speed < 0.1 * jump  # 2 x (e + 1) g h / 2 where an impact is half a step late
+    assert result.error.speed_rms > result.error.speed
+
+
+def test_runs_that_part_have_a_horizon() -> None:
+    scene = lf.Scene(gravity=(0.0, -GRAVITY))
+    upper = scene.add(lf.Box(width=1.0, height=0.1, mass=1.0), name="upper", position=(0.5, 0.0))
+    lower = scene.add(lf.Box(width=1.0, height=0.1, mass=1.0), name="lower", position=(1.5, 0.0))
+    scene.join(lf.Revolute(upper.at(-0.5, 0.0), scene.ground.at(0.0, 0.0)))
+    scene.join(lf.Revolute(lower.at(-0.5, 0.0), upper.at(0.5, 0.0)))
+    error = lf.simulate(scene, 8.0, lf.MoreauJean(step=0.02)).verify()
+    assert not error.whole
+    assert 0.0 < error.horizon < 8.0
+    row = np.searchsorted(error.times, error.horizon, side="right")
+    off = error.place_curve[row - 1] + error.turn_curve[row - 1]
+    assert off.max() <= PARTED * error.extent
+    assert (error.place_curve[row] + error.turn_curve[row]).max() > PARTED * error.extent
+    assert error.parted == "the runs part"  # nothing touches
+    assert error.up_to(error.horizon).place_share <= PARTED < error.place_share + error.turn_share
+
+
+def test_saved_error_comes_back_and_file_can_be_verified(tmp_path: Path) -> None:
+    stepper = lf.EventDriven(rtol=1e-6)
+    result = lf.simulate(dropped(), 0.3, stepper, verify=True)
+    assert result.error is not None
+    result.save(tmp_path / "run.npz")
+    loaded = lf.Result.load(tmp_path / "run.npz")
+    assert loaded.error is not None
+    assert loaded.error.place == result.error.place
+    assert loaded.error.reruns == result.error.reruns
+    with pytest.raises(lf.ModelError, match="stepper: None was given for a result of a file"):
+        loaded.verify()
+    with pytest.raises(lf.ModelError, match="expected the one it was run with"):
+        loaded.verify(stepper=lf.EventDriven(rtol=1e-5))
+    assert loaded.verify(stepper=stepper).place == pytest.approx(result.error.place, abs=1e-12)
+    assert loaded.verify(dropped(), stepper).place == pytest.approx(result.error.place, abs=1e-12)
+    other = lf.Scene(gravity=(0.0, -GRAVITY))
+    for name in ("a", "b"):
+        other.add(lf.Disc(radius=RADIUS, mass=1.0), name=name)
+    with pytest.raises(lf.ModelError, match="scene: one with 6 coordinates"):
+        loaded.verify(other, stepper)
+    assert pickle.loads(pickle.dumps(result)).origin is None
+
+
+def test_another_scene_of_the_same_size_is_refused(tmp_path: Path) -> None:
+    stepper = lf.MoreauJean(step=1e-3)
+    lf.simulate(dropped(), 0.3, stepper).save(tmp_path / "run.npz")
+    scene = lf.Scene(gravity=(0.0, -2.0 * GRAVITY))
+    scene.add(lf.Disc(radius=RADIUS, mass=1.0), name="disc", position=(0.0, RADIUS + HEIGHT))
+    with pytest.raises(lf.ModelError, match="another scene was given"):
+        lf.Result.load(tmp_path / "run.npz").verify(scene, stepper)
+
+
+def test_function_with_a_memory_is_refused() -> None:
+    calls = []
+
+    def push(time: float) -> tuple[float, float]:
+        calls.append(time)
+        return (1e-2 * len(calls), 0.0)
+
+    scene = lf.Scene(gravity=(0.0, -GRAVITY))
+    disc = scene.add(lf.Disc(radius=RADIUS, mass=1.0), name="disc", position=(0.0, 1.0))
+    scene.load(lf.Force(disc.at(0.0, 0.0), push))
+    result = lf.simulate(scene, 0.1, lf.MoreauJean(step=1e-3))
+    with pytest.raises(lf.ModelError, match="answers otherwise than in the run"):
+        result.verify()
+    assert result.error is None
+
+
+@pytest.mark.parametrize(("verify", "measured"), [(False, False), (True, True), ("auto", True)])
+def test_simulate_verifies_where_asked(verify: object, measured: bool) -> None:
+    result = lf.simulate(dropped(), 0.3, lf.MoreauJean(step=1e-3), verify=verify)  # type: ignore[arg-type]
+    assert (result.error is not None) == measured
+
+
+@pytest.mark.parametrize("verify", [None, 1, "yes"])
+def test_simulate_refuses_other_values_of_verify(verify: object) -> None:
+    with pytest.raises(lf.ModelError, match=r"verify: .* expected True, False or 'auto'"):
+        lf.simulate(dropped(), 0.3, lf.MoreauJean(step=1e-3), verify=verify)  # type: ignore[arg-type]
+
+
+def test_verification_in_space_measures_rotations() -> None:
+    scene = lf.SpatialScene()
+    cuboid = lf.Cuboid(0.1, 0.2, 0.4, mass=1.0)
+    scene.add(cuboid, name="body", angular_velocity=(0.1, 5.0, 0.1))
+    result = lf.simulate(scene, 1.0, lf.MoreauJean(step=5e-3), verify=True)
+    error = result.error
+    assert error is not None
+    exact = lf.simulate(scene, 1.0, lf.EventDriven(rtol=1e-11), record=5e-3)
+    turned = result.orientation("body").inv() * exact.orientation("body")
+    angle = float(turned.magnitude().max())
+    reach = 0.5 * float(np.linalg.norm((0.1, 0.2, 0.4)))
+    assert angle * reach <= error.turn * 1.01
+    assert error.turn <= 4.0 * angle * reach
+    assert error.place < 1e-9
