@@ -45,7 +45,7 @@ def verify(result: Result, scene: Any = None, stepper: Any = None, progress: boo
     if len(result.times) < 2 or not (np.isfinite(result.q).all() and np.isfinite(result.u).all()):
         raise ModelError("verify: the result holds no motion of finite numbers; expected one that began, and went well")
     origin = origin_of(result, scene, stepper)
-    with Progress(progress, None, what="verify", bar=False):
+    with Progress(progress, lambda: "running it again, finer and by another method", what="verify", bar=False):
         refuse_others(result, origin)
         found = list(checking_runs(result, origin))
     reruns = [one for one in found if isinstance(one, Finished)]

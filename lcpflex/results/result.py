@@ -27,7 +27,6 @@ from lcpflex.results.contacts_by_name import contacts_by_name
 from lcpflex.results.energy_balance import Energies
 from lcpflex.results.instant import Instant
 from lcpflex.results.material import body_index, material_of
-from lcpflex.results.measured_error import MeasuredError
 from lcpflex.results.places import trajectory, velocity
 from lcpflex.results.sensor import SensorHistory, named_sensor
 from lcpflex.results.stored_instants import impulse_noise, located, tells_of_steps
@@ -41,6 +40,7 @@ if TYPE_CHECKING:
 
     from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.results.joint_reaction import JointReaction as JointReaction
+    from lcpflex.results.measured_error import MeasuredError as MeasuredError
     from lcpflex.results.modal_coordinates import ModalCoordinates as ModalCoordinates
     from lcpflex.results.momentum import Momentum as Momentum
     from lcpflex.results.section_forces import SectionForces as SectionForces
@@ -59,6 +59,7 @@ __all__ = [
     "Event",
     "Instant",
     "JointReaction",
+    "MeasuredError",
     "ModalCoordinates",
     "Momentum",
     "Result",
