@@ -67,6 +67,7 @@ class Differences(NamedTuple):
     turn: FloatArray  # (nt, nb) rotation times extent [m]
     speed: FloatArray  # (nt, nb) of the worst point [m/s]
     rms: FloatArray  # (nb,) of velocities, impacts included [m/s]
+    gap: dict[str, FloatArray]  # (nt,) by contact; 0 where either is farther than gaps are measured [m]
     force: dict[str, float]  # by contact, off impacts [N]
     impulse: dict[str, float]  # by contact [N s]
 
@@ -158,8 +159,7 @@ def differences(result: Result, other: Result, bodies: Bodies, window: float) ->
     speed = np.where(off, fast, np.nan)
     square = 0.5 * (fast[1:] ** 2 + fast[:-1] ** 2) * np.diff(times)[:, None]
     rms = np.sqrt(square.sum(axis=0) / max(float(times[-1] - times[0]), np.finfo(float).tiny))
-    force, impulse = _contacts(result, rows, other, held, bodies, off)
-    return Differences(times, place, turn, speed, rms, force, impulse)
+    return Differences(times, place, turn, speed, rms, *_contacts(result, rows, other, held, bodies, off))
 
 
 def _apart(q: FloatArray, other: FloatArray, bodies: Bodies) -> tuple[FloatArray, FloatArray]:
@@ -240,26 +240,30 @@ def _hit(result: Result, bodies: Bodies, name: str) -> NDArray[np.bool_]:
 
 def _contacts(
     result: Result, rows: NDArray[np.int64], other: Result, held: NDArray[np.int64], bodies: Bodies, off: Any
-) -> tuple[dict[str, float], dict[str, float]]:
-    """Largest differences of forces off impacts [N] and of impulses [N s] by contact; what never touched has none."""
-    force, impulse = {}, {}
+) -> tuple[dict[str, FloatArray], dict[str, float], dict[str, float]]:
+    """Differences of gaps (nt,) [m], the largest of forces off impacts [N] and of impulses [N s], by contact.
+
+    What never touched under a rule has neither force nor gap.
+    """
+    gap, force, impulse = {}, {}, {}
     for name in dict.fromkeys((*result.contact_names, *other.contact_names)):
         mine, theirs = (_history(run, name, at) for run, at in ((result, rows), (other, held)))
         own = _hit(result if name in result.contact_names else other, bodies, name)
         away = off[:, own].all(axis=1)
+        gap[name] = np.nan_to_num(np.abs(mine[2] - theirs[2]))
         apart = lengths(mine[0] - theirs[0])
         force[name] = float(apart[away].max(initial=0.0))
         impulse[name] = float(lengths(mine[1] - theirs[1]).max(initial=0.0))
-    return force, impulse
+    return gap, force, impulse
 
 
-def _history(result: Result, name: str, rows: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
-    """Force and impulse of a contact at some instants; zeros where it never touched."""
+def _history(result: Result, name: str, rows: NDArray[np.int64]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Force, impulse and gap of a contact at some instants; zeros, and no gap, where it never touched."""
     if name not in result.contact_names:
         none = np.zeros((len(rows), result.force.shape[2]))
-        return none, none
+        return none, none, np.full(len(rows), np.nan)
     k = result.contact_names.index(name)
-    return result.force[rows, k], result.impulse[rows, k]
+    return result.force[rows, k], result.impulse[rows, k], result.gap[rows, k]
 
 
 class _NoBodies:

@@ -50,7 +50,7 @@ def rerun(
     )
     ended = ""
     try:
-        found = carry_out(set_up(origin.source, stepper, options, None), False, most=most)
+        found = carry_out(set_up(replace(origin.source, sensors=()), stepper, options, None), False, most=most)
         if not found.complete:
             if found.message.startswith("interrupted"):
                 raise KeyboardInterrupt

@@ -71,6 +71,7 @@ def measured(result: Result, reruns: Sequence[Finished], notes: tuple[str, ...] 
     speed = _largest([one.speed[:rows] for one in apart], factors)
     horizon, whole = _horizon(times, place + turn, extent, float(result.times[-1]))
     rms = _largest([one.rms for one in apart], factors)
+    none = np.zeros(rows)
     return MeasuredError(
         times=times,
         place_curve=np.maximum.accumulate(place, axis=0),
@@ -83,6 +84,10 @@ def measured(result: Result, reruns: Sequence[Finished], notes: tuple[str, ...] 
         whole=whole,
         parted="" if whole else _parting(result, horizon),
         bodies=bodies.names,
+        gap_curve={
+            name: np.maximum.accumulate(_largest([one.gap.get(name, none)[:rows] for one in apart], factors))
+            for name in result.contact_names
+        },
         force=_by_contact([one.force for one in apart], factors),
         impulse=_by_contact([one.impulse for one in apart], factors),
         touches=_touches(result, [result, *(one.result for one in reruns)]),

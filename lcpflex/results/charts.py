@@ -56,13 +56,32 @@ def plot(result: Result) -> Figure:
         ax.grid(True, linewidth=0.4, alpha=0.5)
         ax.margins(x=0.0)
         ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize="small")
+    if result.error is not None and not result.error.whole:
+        for ax in axes:
+            _end(ax, result.error.horizon, float(result.times[-1]))
     axes[-1].set_xlabel("time [s]")
     title = stepper_words(result.stepper)
+    if result.error is not None:
+        title += "\nshaded: by how much a curve may be off, forces where no impact is near"
     hidden = " and ".join(f"{count} {what}" for count, what in left_out if count > 0)
     if hidden:
         title += f"\n{hidden} are not shown"
     axes[0].set_title(title, fontsize="medium", loc="left")
     return figure
+
+
+def _end(ax: Axes, horizon: float, last: float) -> None:
+    """Mark the time from which on the run may have parted from the motion of the scene."""
+    ax.axvspan(horizon, last, color="#888888", alpha=0.15, linewidth=0.0)
+    ax.axvline(horizon, color="#888888", linewidth=0.8, label="not known to hold\nfrom here on")
+
+
+def _band(ax: Axes, result: Result, values: FloatArray, off: FloatArray | float, colour: str) -> None:
+    """Shade by how much a curve may be off; ``off`` at the times of the error, or one number."""
+    if result.error is None:
+        return
+    wide = np.interp(result.times, result.error.times, off) if isinstance(off, np.ndarray) else off
+    ax.fill_between(result.times, values - wide, values + wide, color=colour, alpha=0.2, linewidth=0.0)
 
 
 def _plot_speeds(ax: Axes, result: Result, order: IntArray) -> None:
@@ -82,6 +101,9 @@ def _plot_forces(ax: Axes, result: Result, order: IntArray) -> None:
         colour = _COLOURS[place]
         normal, rubbing = forces[:, place].T / factor
         ax.plot(result.times, normal, color=colour, linewidth=1.2, label=f"{name}, normal")
+        if result.error is not None:
+            off = result.error.force.get(result.contact_names[order[place]], 0.0)
+            _band(ax, result, normal, off / factor, colour)
         if np.any(rubbing != 0.0):
             ax.plot(result.times, rubbing, color=colour, linewidth=1.2, ls=(0, (4, 2)), label=f"{name}, {what}")
     ax.set_ylabel(f"contact force [{prefix}N]")
@@ -110,6 +132,9 @@ def _plot_gaps(ax: Axes, result: Result, order: IntArray) -> None:
             linewidth=1.2,
             label=name,
         )
+        if result.error is not None:
+            off = result.error.gap_curve.get(result.contact_names[k], np.zeros_like(result.error.times))
+            _band(ax, result, result.gap[:, k] / factor, off / factor, _COLOURS[place])
     ax.axhline(0.0, color="black", linewidth=0.6)
     if 0.0 < largest < smallest:  # rounding, which is no motion
         ax.set_ylim(-smallest / factor, smallest / factor)

@@ -84,6 +84,8 @@ class MeasuredError:
         Whether that is all of the run.
     parted
         Where the runs part, in words; empty where they do not.
+    gap_curve
+        By contact: error of its gap, the largest so far (nt,) [m].
     force, impulse
         By contact: largest error of the force where no impact is near [N], and of the impulse since the start [N s].
     touches
@@ -107,6 +109,7 @@ class MeasuredError:
     whole: bool
     parted: str
     bodies: tuple[str, ...]
+    gap_curve: Mapping[str, FloatArray]
     force: Mapping[str, float]
     impulse: Mapping[str, float]
     touches: tuple[tuple[str, tuple[int, ...]], ...]

@@ -15,7 +15,7 @@ from lcpflex.model.arrays import OPEN, SLIP, STICK
 from lcpflex.results.energy_balance import Energies
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -43,7 +43,16 @@ def facts(result: Result) -> dict[str, Any]:
     plain = ("stepper", "duration", "message", "stored", "steps", "wall_time", "compile_time", "python_calls",
              "python_time", "impact_step")  # fmt: skip
     told = {name: getattr(result, name) for name in plain if getattr(result, name) is not None}
-    return {"lcpflex": VERSION, **told, "complete": int(result.complete), **lines}
+    return {"lcpflex": VERSION, **told, "complete": int(result.complete), **lines, **_error_facts(result)}
+
+
+def _error_facts(result: Result) -> dict[str, float]:
+    """The measured error in numbers [m], [m/s], [s]; none where it was not measured."""
+    error = result.error
+    if error is None:
+        return {}
+    names = ("place", "turn", "speed", "speed_rms", "extent", "fastest", "horizon")
+    return {f"error_{name}": float(getattr(error, name)) for name in names}
 
 
 def to_dataframe(result: Result) -> Any:
@@ -88,6 +97,7 @@ def to_xarray(result: Result) -> Any:
         raise ModelError("to_xarray() needs xarray, which is not installed: pip install 'lcpflex[tables]'") from error
     variables = {**_motion(result), **_contacts(result), **_joint_variables(result), **_touches(result)}
     variables |= _events(result)
+    variables |= _error(result)
     sensed, at = _sensors(result)
     variables |= sensed
     variables |= {
@@ -107,6 +117,9 @@ def to_xarray(result: Result) -> Any:
         "axis": (("axis",), _texts(_axes(result))),
         **at,
     }
+    if result.error is not None:
+        coordinates["error_time"] = _variable(result.error.times, "s", "error_time")
+        coordinates["error_body"] = (("error_body",), _texts(result.error.bodies))
     there = {name: one for name, one in variables.items() if np.size(one[1]) or one[0] == ("time",)}
     dimensions = {name for one in there.values() for name in one[0]}
     used = {name: one for name, one in coordinates.items() if set(one[0]) <= dimensions}
@@ -195,6 +208,30 @@ def _touches(result: Result) -> dict[str, Variable]:
         "touch_force": _variable(points.force, "N", "touch", "component"),
         "touch_state": _states(points.state, "touch"),
     }
+
+
+def _error(result: Result) -> dict[str, Variable]:
+    """By how much places, rotations and velocities of bodies may be off; of a verified run."""
+    error = result.error
+    if error is None:
+        return {}
+    axes, share = ("error_time", "error_body"), result.compiled is None
+    found = {
+        f"error_{name}_curve": _variable(values, "1" if share else unit, *axes, about="the largest so far")
+        for name, values, unit in (
+            ("place", error.place_curve, "m"),
+            ("turn", error.turn_curve, "m"),
+            ("speed", error.speed_curve, "m/s"),
+        )
+    }
+    return found | {
+        "error_force": _variable(_by_contact(result, error.force), "N", "contact", about="where no impact is near"),
+        "error_impulse": _variable(_by_contact(result, error.impulse), "N s", "contact"),
+    }
+
+
+def _by_contact(result: Result, values: Mapping[str, float]) -> NDArray[Any]:
+    return np.array([values.get(name, 0.0) for name in result.contact_names])
 
 
 def _events(result: Result) -> dict[str, Variable]:
