@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 __all__ = ["is_cheap", "measured", "verify"]
 
 CHEAP = 1e6  # steps x velocities x contacts, up to which "auto" verifies: some seconds with all reruns
+FEW = 100  # instants, fewer of which may miss by how much runs are apart in between
 LISTED = 8  # contacts whose touches are counted
 AT_REST = 1e-4  # of the extent over the duration: slower is at rest, where rounding is as large as the speed
 
@@ -92,8 +93,15 @@ def measured(result: Result, reruns: Sequence[Finished], notes: tuple[str, ...] 
         impulse=_by_contact([one.impulse for one in apart], factors),
         touches=_touches(result, [result, *(one.result for one in reruns)]),
         reruns=tuple(one.told for one in reruns),
-        notes=notes,
+        notes=(*notes, *_few(times)),
     )
+
+
+def _few(times: FloatArray) -> tuple[str, ...]:
+    """That the runs were compared at few instants, and what is between is not known."""
+    if len(times) >= FEW:
+        return ()
+    return (f"the runs were compared at the {len(times)} instants that are stored: a smaller record shows more",)
 
 
 def _by_contact(apart: Sequence[dict[str, float]], factors: Sequence[float]) -> dict[str, float]:

@@ -28,6 +28,7 @@ _SHOWN = 6  # contacts drawn in a chart; of more, those with the largest impulse
 _MANY = 5  # panels, from which on each is lower
 _RARE = 0.05  # share of the instants with contact whose forces may be cut in a chart
 _PEAK = 2.5  # times the largest of the others, from which on they are
+_WIDE = 0.25  # of the largest force shown, from which on the band of its error is left out
 _NOTHING = 1e-7  # a share of the peak that is no force beside it
 _ROUNDING = 1e-9  # gaps below that share of the scene are not magnified
 
@@ -53,12 +54,11 @@ def plot(result: Result) -> Figure:
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for (panel, shown), ax in zip(panels, axes, strict=True):
         panel(ax, result, shown)
+        if result.error is not None and not result.error.whole:
+            _end(ax, result.error.horizon, float(result.times[-1]))
         ax.grid(True, linewidth=0.4, alpha=0.5)
         ax.margins(x=0.0)
         ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize="small")
-    if result.error is not None and not result.error.whole:
-        for ax in axes:
-            _end(ax, result.error.horizon, float(result.times[-1]))
     axes[-1].set_xlabel("time [s]")
     title = stepper_words(result.stepper)
     if result.error is not None:
@@ -103,7 +103,9 @@ def _plot_forces(ax: Axes, result: Result, order: IntArray) -> None:
         ax.plot(result.times, normal, color=colour, linewidth=1.2, label=f"{name}, normal")
         if result.error is not None:
             off = result.error.force.get(result.contact_names[order[place]], 0.0)
-            _band(ax, result, normal, off / factor, colour)
+            # a wider one, as of a pile that rattles, would hide all else; where nothing presses there is none
+            shown = np.where((normal > 0.0) & (off < _WIDE * limit), normal, np.nan)
+            _band(ax, result, shown, off / factor, colour)
         if np.any(rubbing != 0.0):
             ax.plot(result.times, rubbing, color=colour, linewidth=1.2, ls=(0, (4, 2)), label=f"{name}, {what}")
     ax.set_ylabel(f"contact force [{prefix}N]")

@@ -159,3 +159,48 @@ def test_verification_in_space_measures_rotations() -> None:
     assert angle * reach <= error.turn * 1.01
     assert error.turn <= 4.0 * angle * reach
     assert error.place < 1e-9
+
+
+def test_few_instants_are_told() -> None:
+    result = lf.simulate(dropped(), DURATION, lf.MoreauJean(step=1e-3), record=0.2, verify=True)
+    assert result.error is not None
+    assert any("compared at the 4 instants" in note for note in result.error.notes)
+
+
+@pytest.mark.parametrize(
+    ("stepper", "what"),
+    [
+        (lf.MoreauJean(step=1e-3, adaptive=lf.AdaptiveStep(rtol=1e-4)), "a sixteenth of the tolerance"),
+        (lf.Smooth(lf.Penalty(1e4)), "a sixteenth of the tolerance"),
+        (lf.Smooth(lf.Penalty(1e4), integrator=lf.Verlet(1e-4)), "half the step"),
+    ],
+)
+def test_steppers_without_another_method_are_checked_by_themselves(stepper: object, what: str) -> None:
+    error = lf.simulate(dropped(), 0.3, stepper, verify=True).error  # type: ignore[arg-type]
+    assert error is not None
+    assert error.reruns[-1].what == what
+    assert 0.0 < error.place < 0.01 * error.extent
+
+
+def test_user_system_is_measured_in_shares_of_its_ranges() -> None:
+    system = lf.UserSystem(
+        q=[HEIGHT],
+        u=[0.0],
+        mass=np.eye(1),
+        force=lambda t, q, u: np.array([-GRAVITY]),
+        gaps=lambda q: np.array([q[0]]),
+        normals=np.eye(1),
+        restitution=BOUNCE,
+    )
+    result = lf.simulate(system, DURATION, lf.MoreauJean(step=2e-3), verify=True)
+    error = result.error
+    assert error is not None
+    off = np.abs(result.q[:, 0] - height(result.times)).max() / np.ptp(result.q)
+    assert off <= error.place <= 4.0 * off
+    assert error.extent == error.fastest == 1.0
+
+
+def test_resumed_run_can_be_verified(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    whole = lf.simulate(dropped(), 0.3, lf.MoreauJean(step=2e-3), checkpoint=path)
+    assert lf.resume(path).verify().place == whole.verify().place
