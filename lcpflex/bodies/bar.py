@@ -23,6 +23,7 @@ from lcpflex.bodies.line_body import (
     line_moments,
     line_shapes,
 )
+from lcpflex.bodies.reduction.again import reduction_by
 from lcpflex.bodies.reduction.damping import (
     Damping,
     damped_modes,
@@ -138,6 +139,9 @@ class Bar:
             recovery=line_shapes(line, found, self.area, 0.0, self.lumped),
             fidelity_levels=ModeLevels(
                 self.elements, partial(self.reduce, residual_damping=residual_damping), places, damping, residual
+            ),
+            reduction=reduction_by(
+                self.reduce, n, self.elements, damping, interfaces=places, residual_damping=residual_damping
             ),
             products=partial(
                 _bar_products,

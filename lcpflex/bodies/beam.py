@@ -22,6 +22,7 @@ from lcpflex.bodies.line_body import (
     line_moments,
     line_shapes,
 )
+from lcpflex.bodies.reduction.again import reduction_by
 from lcpflex.bodies.reduction.beam_shortening import shortening_of, with_axial_loads
 from lcpflex.bodies.reduction.beam_stiffening import axis_of, bent_under_tension, spinning
 from lcpflex.bodies.reduction.damping import (
@@ -170,6 +171,14 @@ class Beam:
                 places,
                 damping,
                 residual,
+            ),
+            reduction=reduction_by(
+                partial(self.reduce, stiffening=stiffening),
+                n,
+                available,
+                damping,
+                interfaces=places,
+                residual_damping=residual_damping,
             ),
             products=partial(_beam_products, modes=found, nodes=line.nodes, mass=mass),
         )

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Generic, Protocol, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +30,9 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Axis
 from lcpflex.model.planar import N_RIGID
 from lcpflex.model.recovery import Shapes
+
+if TYPE_CHECKING:
+    from lcpflex.bodies.reduction.again import Reduction
 
 __all__ = [
     "Body",
@@ -234,6 +237,7 @@ class Body:
     recovery : what its section forces or stresses are recovered from; None where they cannot be
     products : maps a displacement field d to (3 + n,) <[1_x, 1_y, J x, Phi]^T d>; None where the
         distribution of mass is not known (:meth:`project` needs it)
+    reduction : by how many modes of its mesh it was made, and what makes it with more; None where that is not known
 
     Raises
     ------
@@ -265,6 +269,7 @@ class Body:
     products: Callable[[Displacement], FloatArray] | None = field(default=None, repr=False)
     axis: Axis | None = field(default=None, repr=False)
     recovery: Shapes | None = field(default=None, repr=False)
+    reduction: Reduction[Body] | None = field(default=None, repr=False)
 
     ladder = renamed_property("ladder", "fidelity_levels")
 

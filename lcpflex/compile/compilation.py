@@ -53,7 +53,7 @@ def compiled_scene(
     listed = listed or indents is not None
     reduced, said = reduced_scene(scene, gives_way, listed)
     parts = reduced.parts()
-    materials = Materials(parts.placed, [body.modes for body in parts.bodies])
+    materials = Materials(parts.placed)
     compiled = compiled_parts(reduced.gravity, parts, materials, project, indents, listed, push)
     return replace(compiled, notes=(*compiled.notes, *(f"residual modes for {text}" for text in said)))
 

@@ -80,7 +80,7 @@ class CompiledScene:
         if self.spatial:
             from lcpflex.dynamics.spatial.state import SpatialState
 
-            return SpatialState(time, q, u, self.model.bodies)
+            return SpatialState(time, q, u, self.model.bodies, self.materials)
         return State(time, q, u, self.model.bodies.dof, self.materials)
 
     def at(

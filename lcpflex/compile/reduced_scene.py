@@ -9,8 +9,7 @@ from lcpflex.scene.substitution import remade
 
 if TYPE_CHECKING:
     from lcpflex.bodies.body import Body
-    from lcpflex.compile.reduction_order import ReductionOrder
-    from lcpflex.jit.kernel import FloatArray
+    from lcpflex.scene.register import Start
     from lcpflex.scene.scene import Scene
 
 __all__ = ["reduced_scene"]
@@ -30,15 +29,15 @@ def reduced_scene(scene: Scene, gives_way: bool = False, listed: bool = False) -
     contacts = {**parts.contacts, **by_rule}
     if rule is not None:
         contacts |= rule.first_contacts({placed.body for placed in parts.placed if placed.order})
-    bodies: list[tuple[Body | ReductionOrder, FloatArray, FloatArray]] = []
+    bodies: list[tuple[Body, Start]] = []
     said: list[str] = []
     for placed in parts.placed:
         assert placed.source is not None
         if placed.order is None:
-            bodies.append((placed.source, *placed.start))
+            bodies.append((placed.source, placed.start))
             continue
         interfaces, taken = placed.order.interfaces(placed, parts.joints, parts.loads, contacts, parts.angle, gives_way)
         body = placed.order.body(interfaces) if placed.order.modes else placed.source
-        bodies.append((body, *placed.order.start(placed.start, body)))
+        bodies.append((body, placed.order.start(placed.start, body)))
         said += taken
     return remade(scene, bodies), tuple(said)

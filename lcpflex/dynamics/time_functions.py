@@ -11,7 +11,6 @@ from typing import Any, Protocol
 import numpy as np
 
 from lcpflex.basics.attributes import NamesNearest
-from lcpflex.bodies.body import MaterialPoint
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.dynamics.compiled_function import (
     DIFFERENCE_STEP,
@@ -38,6 +37,7 @@ __all__ = [
     "MotionCallback",
     "SignalTable",
     "State",
+    "known_material",
     "supplier",
 ]
 
@@ -56,29 +56,32 @@ class OnBody(Protocol):
 class Materials:
     """The material of points of a scene in the bodies that they were given when the scene was compiled.
 
-    A point of the scene that was compiled is of these bodies. One of a body that was reduced, or exchanged, since the
-    point was made has other modes, or none: it is made again.
+    A point of the scene that was compiled is of these bodies. One of another scene, whose bodies were reduced or
+    exchanged since the point was made, has other modes, or none: it is made again.
 
     handles: of the bodies of the compiled scene, in their order
-    modes: how many modes each has
     """
 
-    def __init__(self, handles: Sequence[Any], modes: Sequence[int]) -> None:
+    def __init__(self, handles: Sequence[Any]) -> None:
         self._handles = handles
-        self._modes = modes
-        self._known: dict[int, tuple[PlacedPoint, MaterialPoint]] = {}
+        self._known: dict[int, tuple[PlacedPoint, Any]] = {}
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Without what is known by identity: copies of points are others."""
-        return Materials, (self._handles, self._modes)
+        return Materials, (self._handles,)
 
-    def of(self, point: PlacedPoint) -> MaterialPoint:
-        """The material at a point of the scene as it was declared."""
-        if len(point.material.psi) == self._modes[point.body]:
+    def of(self, point: PlacedPoint) -> Any:
+        """The material at a point of a body of the scene as it was declared: a MaterialPoint, or a SpatialPoint."""
+        if point.scene is self._handles[point.body].scene:
             return point.material
         if id(point) not in self._known:
             self._known[id(point)] = (point, point.again(self._handles[point.body]).material)
         return self._known[id(point)][1]
+
+
+def known_material(materials: Materials | None, point: PlacedPoint) -> Any:
+    """The material at a point of a body in a compiled scene; None of ``materials``: as the point has it."""
+    return point.material if materials is None else materials.of(point)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -134,8 +137,8 @@ class State(NamesNearest):
         modal = slice(d + N_RIGID, int(self.dof[point.body + 1]))
         return place + self.q[modal] @ material.phi, self.u[modal] @ material.phi, d
 
-    def _material(self, point: PlacedPoint) -> MaterialPoint:
-        return point.material if self.materials is None else self.materials.of(point)
+    def _material(self, point: PlacedPoint) -> Any:
+        return known_material(self.materials, point)
 
 
 def _turned(angle: float, s: FloatArray) -> FloatArray:

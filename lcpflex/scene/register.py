@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 import numpy.typing as npt
 
@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.scene.placed_surface import PlacedSurface
 
-__all__ = ["Register"]
+__all__ = ["Register", "Start"]
+
+Start: TypeAlias = "tuple[FloatArray, FloatArray]"  # configuration and velocity of one body
 
 _OTHERS = {
     2: "three numbers were given, {}, expected two (x, y): a Scene is planar; SpatialScene(gravity=...) takes three",
@@ -26,7 +28,9 @@ _OTHERS = {
 class Register(NamesNearest):
     """Where bodies of a scene look up and keep what belongs to all of it. Its other names are not for users."""
 
+    spatial: ClassVar[bool]
     _axes: ClassVar[int]  # 2 or 3
+    _kind: ClassVar[type]  # of its bodies
     _surfaces: list[PlacedSurface]
     _made: Counter[str]  # surfaces made of each kind, by their labels without the number
 

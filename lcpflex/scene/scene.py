@@ -25,7 +25,7 @@ from lcpflex.scene.joints.joint import Joint
 from lcpflex.scene.loads.load import Load
 from lcpflex.scene.naming import free_name
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
-from lcpflex.scene.register import Register
+from lcpflex.scene.register import Register, Start
 from lcpflex.scene.sensors.sensor import Sensor, check_placed_sensor
 from lcpflex.scene.substitution import exchanged
 from lcpflex.scene.user_functions import check_names, functions_of
@@ -61,6 +61,7 @@ class Scene(Register):
     spatial: ClassVar[bool] = False
     _known_as: ClassVar[Mapping[str, str]] = _KNOWN_AS
     _axes: ClassVar[int] = 2
+    _kind: ClassVar[type] = Body
 
     def __init__(self, gravity: npt.ArrayLike = (0.0, -9.81)) -> None:
         self.gravity = gravity
@@ -174,9 +175,9 @@ class Scene(Register):
             rate[:2] -= turning
         return self._place(placed)
 
-    def _put(self, placed: Placed, order: ReductionOrder) -> None:
-        """Take a body of another scene that is reduced later, with its place and velocity."""
-        self._place(Placed(placed.name, placed.body, placed.source, placed.start, self, order))
+    def _put(self, name: str, body: Body, start: Start, order: ReductionOrder | None) -> None:
+        """Take a body of another scene by its name, at a configuration with a velocity; some are reduced later."""
+        self._place(Placed(name, len(self._placed), body, start, self, order))
 
     def _place(self, placed: Placed) -> Placed:
         self._placed[placed.name] = placed

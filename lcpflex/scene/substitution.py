@@ -1,7 +1,8 @@
 """The same scene with other bodies: everything that was made on a body is made again on the one in its place.
 
 An initial deformation d(x) = Phi_old(x)^T q of a body is split by the new one into motion of its frame and its own
-modal coordinates (:meth:`lcpflex.bodies.body.Body.project`); so is its rate. With the split (d0, delta, q') of the
+modal coordinates (:meth:`lcpflex.bodies.body.Body.project`); so is its rate. In space the new body has to follow it
+by its modes alone (:mod:`lcpflex.scene.spatial.carried`). With the split (d0, delta, q') of the
 deformation and (v0, nu, q'') of its rate, in body axes,
 
     R' = R + A d0,  angle' = angle + delta,   Rdot' = Rdot + A (v0 + omega J d0),  omega' = omega + nu
@@ -11,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -22,33 +23,39 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.planar import N_RIGID
 from lcpflex.scene.handles import Placed
+from lcpflex.scene.placed_body import PlacedBody
 from lcpflex.scene.placed_surface import PlacedSurface
 from lcpflex.scene.sensors.sensor import body_name
 
 if TYPE_CHECKING:
-    from lcpflex.scene.compiling import ReductionOrder
     from lcpflex.scene.declared import Parts
+    from lcpflex.scene.register import Start
     from lcpflex.scene.scene import Scene
+    from lcpflex.scene.spatial.handles import SpatialPlaced
+    from lcpflex.scene.spatial.scene import SpatialParts, SpatialScene
 
-__all__ = ["exchanged", "remade", "settled"]
+__all__ = ["exchanged", "one_with", "remade", "same_basis", "settled"]
+
+AnyScene = TypeVar("AnyScene", bound="Scene | SpatialScene")
 
 
-def exchanged(scene: Scene, bodies: Mapping[str, Body]) -> Scene:
+def exchanged(scene: AnyScene, bodies: Mapping[str, Any]) -> AnyScene:
     """A new scene with ``bodies`` in the place of those of the same names; ``scene`` is not changed."""
     parts = scene.parts()
     known = [placed.name for placed in parts.placed]
     for name, body in named("bodies", bodies).items():
         if name not in known:
             raise ModelError(f"bodies: no body {name!r}, expected one of {listed(known)}")
-        if not isinstance(body, Body):
-            raise ModelError(f"bodies[{name!r}]: {shown(body)} was given, expected a Body")
-    made: list[tuple[Body | ReductionOrder, FloatArray, FloatArray]] = []
-    for placed in parts.placed:
-        if placed.name not in bodies and placed.order is not None:
-            made.append((placed.order, *placed.start))
-        elif (body := bodies.get(placed.name, placed.source)) is not None:
-            made.append((body, *_start(placed, body)))
-    return remade(scene, made)
+        if not isinstance(body, scene._kind):
+            raise ModelError(f"bodies[{name!r}]: {shown(body)} was given, expected a {scene._kind.__name__}")
+    return remade(scene, [one_with(placed, bodies.get(placed.name)) for placed in parts.placed])
+
+
+def one_with(placed: Placed | SpatialPlaced, body: Any | None) -> tuple[Any, Start]:
+    """A body, or the order of one, for the place of another with its motion; ``body`` None: the same as before."""
+    if body is None:
+        return placed.order or placed.source, placed.start
+    return body, _start(placed, body)
 
 
 def settled(scene: Scene) -> Scene:
@@ -64,33 +71,37 @@ def settled(scene: Scene) -> Scene:
         placed = scene.parts().placed
         ends = np.cumsum([len(one.start[0]) for one in placed])[:-1]
         starts = zip(placed, np.split(compiled.q, ends), np.split(compiled.u, ends), strict=True)
-        return remade(scene, [(one.source, q, u) for one, q, u in starts if one.source is not None])
+        return remade(scene, [(one.source, (q, u)) for one, q, u in starts])
     return scene
 
 
-def remade(scene: Scene, bodies: Sequence[tuple[Body | ReductionOrder, FloatArray, FloatArray]]) -> Scene:
-    """The scene with these bodies and initial states in the order of its own; some may be reduced later."""
+def remade(scene: AnyScene, bodies: Sequence[tuple[Any, Start]]) -> AnyScene:
+    """The scene with these bodies and initial states in the order of its own; for orders, bodies are reduced later.
+
+    The state of an order is that of the body before it is reduced, without modal coordinates.
+    """
     parts = scene.parts()
-    new = type(scene)(scene.gravity)
-    for placed, (body, q, u) in zip(parts.placed, bodies, strict=True):
-        if isinstance(body, Body):
-            new.add(body, placed.name, q[:2], float(q[2]), u[:2], float(u[2]), q[N_RIGID:], u[N_RIGID:])
+    new: Any = type(scene)(scene.gravity)
+    placed: Any
+    for placed, (body, start) in zip(parts.placed, bodies, strict=True):
+        if isinstance(body, scene._kind):
+            new._put(placed.name, body, start, None)
         else:
-            new._put(placed, body)
-    _Again(scene, new).declare(parts)
-    return new
+            new._put(placed.name, placed.source, start, body)
+    _Again(new).declare(parts)
+    made: AnyScene = new
+    return made
 
 
 class _Again:
     """Makes the parts of one scene on the bodies of another."""
 
-    def __init__(self, old: Scene, new: Scene) -> None:
-        self._old = old
+    def __init__(self, new: Any) -> None:
         self._new = new
-        self._bodies = {-1: new.ground} | {placed.body: placed for placed in new.parts().placed}
+        self._bodies: dict[int, Any] = {-1: new.ground} | {placed.body: placed for placed in new.parts().placed}
         self._surfaces: dict[int, PlacedSurface] = {}
 
-    def declare(self, parts: Parts) -> None:
+    def declare(self, parts: Parts | SpatialParts) -> None:
         """All of them, in their order: what is numbered gets the same number."""
         for surface in parts.surfaces:
             self._surface(surface)
@@ -123,19 +134,23 @@ class _Again:
             self._surfaces[key] = surface.again(self._bodies[surface.body])
         return self._surfaces[key]
 
-    def _side(self, side: Placed | PlacedSurface) -> Placed | PlacedSurface:
-        return self._bodies[side.body] if isinstance(side, Placed) else self._surface(side)
+    def _side(self, side: PlacedBody | PlacedSurface) -> Any:
+        return self._bodies[side.body] if isinstance(side, PlacedBody) else self._surface(side)
 
 
-def _start(placed: Placed, body: Body) -> tuple[FloatArray, FloatArray]:
-    """Initial configuration and velocity (3 + n,) of ``body`` in the place of the one that is there."""
+def _start(placed: Placed | SpatialPlaced, body: Any) -> Start:
+    """Initial configuration and velocity of ``body`` in the place of the one that is there."""
+    if not isinstance(placed, Placed):
+        from lcpflex.scene.spatial.carried import spatial_start
+
+        return spatial_start(placed, body)
     q, u = placed.start
     old = placed.source
     assert old is not None
     if placed.order is not None:
         old = placed.order.body(())
         q, u = placed.order.start(placed.start, old)
-    if _same_basis(old, body):
+    if same_basis(old, body):
         return q, u
     if not (q[N_RIGID:].any() or u[N_RIGID:].any()):
         still = np.zeros(body.modes)
@@ -162,11 +177,12 @@ def _split(old: Body, new: Body, modal: FloatArray) -> tuple[FloatArray, float, 
     return np.array([dx, dy]), angle, found
 
 
-def _same_basis(old: Body, new: Body) -> bool:
-    """Whether the coordinates of both mean the same: made alike, or the same body."""
+def same_basis(old: Any, new: Any) -> bool:
+    """Whether the coordinates of both mean the same: made alike, or the same body; of bodies of one dimension."""
     if old is new:
         return True
-    arrays = ("moment", "S", "a", "c", "stiffness", "damping")
-    return (old.mass, old.inertia) == (new.mass, new.inertia) and all(
-        np.array_equal(getattr(old, name), getattr(new, name)) for name in arrays
+    arrays = ("a", "c") if isinstance(old, Body) else ("first", "products")
+    return all(
+        np.array_equal(getattr(old, name), getattr(new, name))
+        for name in ("mass", "inertia", "moment", "S", "stiffness", "damping", *arrays)
     )

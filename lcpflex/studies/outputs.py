@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from lcpflex.basics.arguments import numbers, sequence_of, text
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.model.layout import SPACE, dimension
 from lcpflex.results.result import Result
+from lcpflex.results.watched_places import two_places
 from lcpflex.studies.convergence.distance import graph_distance
 from lcpflex.studies.peaks import NotDefined, peak_force, peak_impulse
-
-if TYPE_CHECKING:
-    from lcpflex.compile.compiled_scene import CompiledScene
 
 __all__ = [
     "Measured",
@@ -36,7 +33,6 @@ __all__ = [
     "scale_text",
     "standard_outputs",
     "trajectory",
-    "two_places",
     "unscaled",
 ]
 
@@ -340,37 +336,6 @@ def motion_of(result: Result, places: Sequence[tuple[str, tuple[float, ...]]]) -
         Part("position", position, floor=SLOW * result.compiled.size),
         Part("velocity", velocity, floor=SLOW * reach / result.duration),
     ]
-
-
-def two_places(compiled: CompiledScene, ends: Sequence[str] = ()) -> list[tuple[str, tuple[float, ...]]]:
-    """Undeformed places [m], two for each body (in space three), that between them see it translate, turn and bend.
-
-    Of bodies in ``ends`` they are the ends of what is known of them even if they are rigid.
-    """
-    return [(body, place) for body in compiled.layout.bodies for place in _two_of(compiled, body, body in ends)]
-
-
-def _two_of(compiled: CompiledScene, body: str, ends: bool) -> list[tuple[float, ...]]:
-    model = compiled.model
-    size = dimension(model.bodies)
-    b = compiled.layout.bodies.index(body)
-    own = model.points.place[model.points.body == b]
-    if model.bodies.dof[b + 1] - model.bodies.dof[b] == size.rigid and not (ends and len(own)):
-        if size is SPACE:
-            arm = float(np.sqrt(np.trace(model.bodies.second[b]) / model.bodies.mass[b]))
-            return [(0.0, 0.0, 0.0), (arm, 0.0, 0.0), (0.0, arm, 0.0)]
-        arm = float(np.sqrt(model.bodies.inertia[b] / model.bodies.mass[b]))
-        return [(0.0, 0.0), (arm, 0.0)]
-    if not len(own):
-        raise ModelError(f"outputs: the flexible body {body!r} has no point whose motion is known; choose outputs")
-    first = own[np.linalg.norm(own - own.mean(axis=0), axis=1).argmax()]
-    last = own[np.linalg.norm(own - first, axis=1).argmax()]
-    chosen = [first, last]
-    if size is SPACE:  # what turns about the line between them
-        along = (last - first) / max(float(np.linalg.norm(last - first)), np.finfo(float).tiny)
-        across = (own - first) - np.outer((own - first) @ along, along)
-        chosen.append(own[np.linalg.norm(across, axis=1).argmax()])
-    return [tuple(map(float, place)) for place in chosen]
 
 
 def _impulses(result: Result) -> list[Part]:

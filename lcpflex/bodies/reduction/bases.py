@@ -45,6 +45,7 @@ __all__ = [
     "held_factor",
     "interface_basis",
     "regional_basis",
+    "regional_count",
     "residual_basis",
 ]
 
@@ -199,14 +200,7 @@ def _residual(free: Flexible, shapes: FloatArray, static: FloatArray) -> FloatAr
 def regional_basis(mesh: FiniteElements, region: IntArray, modes: int | None, interface_modes: bool) -> Basis:
     """Displacements of the region, modes of the rest with the region following statically, and their interface."""
     f = len(mesh.dofs)
-    own = rows_of(mesh, region)
-    rest = np.setdiff1d(np.arange(f), own)
-    if not len(rest):
-        raise ModelError(f"region: all {len(mesh.places)} nodes were given, expected a part of the mesh (or unreduced)")
-    linked = abs(mesh.stiffness[rest][:, own]).sum(axis=0)
-    touched = own[np.asarray(linked).ravel() > 0.0]
-    border = rows_of(mesh, np.unique(mesh.dofs[touched] // 2))
-    inside = np.setdiff1d(own, border)
+    own, border, inside = _regions(mesh, region)
     if not len(inside) and not interface_modes:
         raise ModelError(
             f"region: all of its {len(region)} node(s) border on the rest, expected some inside; or interface_modes"
@@ -214,7 +208,7 @@ def regional_basis(mesh: FiniteElements, region: IntArray, modes: int | None, in
     massless = np.zeros(f, dtype=bool)
     massless[inside] = True
     r = mesh.rigid.shape[1]
-    n = count_of_modes(modes, f - len(inside) - r, "modes outside the region; None takes all")
+    n = count_of_modes(modes, regional_count(mesh, region), "modes outside the region; None takes all")
     check_memory("region, modes", f, SHARE * (len(own) + n + r))
     free = FreeMesh.of(mesh, massless)
     _, shapes = free.modes(n)
@@ -225,3 +219,20 @@ def regional_basis(mesh: FiniteElements, region: IntArray, modes: int | None, in
         columns.append(_residual(free, shapes, free.responses(border)))
     frame = orthonormal_frame(mesh.mass, mesh.rigid)
     return own_basis(mesh.mass, mesh.stiffness, frame, np.hstack(columns), holds_rigid=True)
+
+
+def regional_count(mesh: FiniteElements, region: IntArray) -> int:
+    """Number of elastic modes of the rest of a mesh with the region following statically."""
+    return elastic_count(mesh) - len(_regions(mesh, region)[2])
+
+
+def _regions(mesh: FiniteElements, region: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Rows of the nodes of a region, of those that are linked to the rest, and of those inside."""
+    own = rows_of(mesh, region)
+    rest = np.setdiff1d(np.arange(len(mesh.dofs)), own)
+    if not len(rest):
+        raise ModelError(f"region: all {len(mesh.places)} nodes were given, expected a part of the mesh (or unreduced)")
+    linked = abs(mesh.stiffness[rest][:, own]).sum(axis=0)
+    touched = own[np.asarray(linked).ravel() > 0.0]
+    border = rows_of(mesh, np.unique(mesh.dofs[touched] // 2))
+    return own, border, np.setdiff1d(own, border)

@@ -19,13 +19,16 @@ than it has, more than fits in memory, and a damping that does not fit raise :cl
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from lcpflex.bodies.body import Body
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.node_sets import Nodes, chosen_nodes, rows_of
+from lcpflex.bodies.reduction.again import Reduction, reduction_by
 from lcpflex.bodies.reduction.bases import (
     SHARE,
     boundary_basis,
@@ -34,6 +37,7 @@ from lcpflex.bodies.reduction.bases import (
     free_basis,
     interface_basis,
     regional_basis,
+    regional_count,
     residual_basis,
 )
 from lcpflex.bodies.reduction.damping import Damping, count_of_modes, damped_modes
@@ -100,15 +104,20 @@ def free_interface(
         See the module.
     """
     mesh = _mesh_of(model)
-    n = damped_modes(modes, elastic_count(mesh), None, residual_damping)
+    most = elastic_count(mesh)
+    n = damped_modes(modes, most, None, residual_damping)
     places = of_mesh(interfaces)
-    if not places or n == elastic_count(mesh):
-        return reduced(mesh, lambda mesh: free_basis(FreeMesh.of(mesh), n), damping, stiffening, columns=n)
+    again = reduction_by(
+        partial(free_interface, _Known(mesh)), n, most, damping, stiffening=stiffening, interfaces=places,
+        residual_damping=residual_damping,
+    )  # fmt: skip
+    if not places or n == most:
+        return reduced(mesh, lambda mesh: free_basis(FreeMesh.of(mesh), n), damping, stiffening, again, columns=n)
     loads = interface_loads(mesh, places)
     check_memory("interfaces, modes", len(mesh.dofs), SHARE * (loads.shape[1] + n))
     touched = interface_loads(mesh, [place for place in places if place.contact]).shape[1]
     return reduced(
-        mesh, lambda mesh: interface_basis(FreeMesh.of(mesh), loads, n), damping, stiffening,
+        mesh, lambda mesh: interface_basis(FreeMesh.of(mesh), loads, n), damping, stiffening, again,
         columns=n, held=Held(loads, touched, residual_damping),
     )  # fmt: skip
 
@@ -142,7 +151,9 @@ def craig_bampton(
     """
     mesh = _mesh_of(model)
     nodes = chosen_nodes(mesh, "boundary", boundary)
-    return reduced(mesh, lambda mesh: boundary_basis(mesh, nodes, modes), damping, stiffening, nodes)
+    most = len(mesh.dofs) - len(rows_of(mesh, nodes))
+    again = _reduction(partial(craig_bampton, _Known(mesh), boundary), modes, most, damping, stiffening)
+    return reduced(mesh, lambda mesh: boundary_basis(mesh, nodes, modes), damping, stiffening, again, nodes)
 
 
 def sub_regional(
@@ -185,7 +196,13 @@ def sub_regional(
         raise ModelError(f"interface_modes: {shown(interface_modes)} was given, expected True or False")
     mesh = _mesh_of(model)
     nodes = chosen_nodes(mesh, "region", region)
-    return reduced(mesh, lambda mesh: regional_basis(mesh, nodes, modes, interface_modes), damping, stiffening, nodes)
+    again = _reduction(
+        partial(sub_regional, _Known(mesh), region, interface_modes=interface_modes), modes,
+        regional_count(mesh, nodes), damping, stiffening,
+    )  # fmt: skip
+    return reduced(
+        mesh, lambda mesh: regional_basis(mesh, nodes, modes, interface_modes), damping, stiffening, again, nodes
+    )
 
 
 def residual_compliance(
@@ -222,9 +239,11 @@ def residual_compliance(
     rows = rows_of(mesh, nodes)
     n = count_of_modes(modes, elastic_count(mesh))
     check_memory("contact, modes", len(mesh.dofs), SHARE * (len(rows) + n))
+    again = _reduction(partial(residual_compliance, _Known(mesh), contact), n, elastic_count(mesh), damping, stiffening)
     return reduced(
-        mesh, lambda mesh: residual_basis(FreeMesh.of(mesh), rows, n), damping, stiffening, nodes, residual_from=n
-    )
+        mesh, lambda mesh: residual_basis(FreeMesh.of(mesh), rows, n), damping, stiffening, again, nodes,
+        residual_from=n,
+    )  # fmt: skip
 
 
 def unreduced(model: Mesh, *, damping: Damping | None = None, stiffening: Stiffening | None = None) -> Body:
@@ -242,15 +261,31 @@ def unreduced(model: Mesh, *, damping: Damping | None = None, stiffening: Stiffe
     """
     mesh = _mesh_of(model)
     check_full(mesh)
-    return reduced(
-        mesh, lambda mesh: free_basis(FreeMesh.of(mesh), None), damping, stiffening, columns=elastic_count(mesh)
-    )
+    most = elastic_count(mesh)
+    again = _reduction(partial(free_interface, _Known(mesh)), most, most, damping, stiffening)
+    return reduced(mesh, lambda mesh: free_basis(FreeMesh.of(mesh), None), damping, stiffening, again, columns=most)
 
 
 def undeformed(model: Mesh) -> Body:
     """The rigid body of a mesh, with its points and surfaces; no factor of the stiffness is made for it."""
     mesh = _mesh_of(model)
     return body_of(mesh, np.zeros(0), np.zeros((len(mesh.dofs), 0)), None)
+
+
+class _Known(NamedTuple):
+    """What a body keeps of a model: its mesh, without the functions of the user that chose sets of nodes."""
+
+    mesh: FiniteElements
+
+    def finite_elements(self) -> FiniteElements:
+        return self.mesh
+
+
+def _reduction(
+    reduce: Callable[..., Body], modes: Any, most: int, damping: Damping | None, stiffening: Stiffening | None
+) -> Reduction[Body]:
+    """Of a body that ``reduce`` makes; ``modes`` None: all of them."""
+    return reduction_by(reduce, most if modes is None else modes, most, damping, stiffening=stiffening)
 
 
 def _mesh_of(model: Mesh) -> FiniteElements:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,7 @@ __all__ = [
     "Damping",
     "Rayleigh",
     "check_damping",
+    "continued",
     "count_of_modes",
     "damped_modes",
     "modal_damping",
@@ -93,6 +94,14 @@ def damped_modes(modes: int | None, available: int, damping: Damping | None, res
     if residual_damping is not None:
         in_range("residual_damping", residual_damping, 0.0, math.inf)
     return n
+
+
+def continued(damping: Any, modes: int) -> Any:
+    """The damping of so many modes: of several ratios the last one goes on, as for residual modes."""
+    if damping is None or isinstance(damping, Rayleigh) or is_one(damping):
+        return damping
+    ratios = np.asarray(damping, dtype=np.float64)[:modes]
+    return np.concatenate([ratios, np.full(modes - len(ratios), ratios[-1] if len(ratios) else 0.0)])
 
 
 def with_residual(damping: Damping, residual_damping: float | None, omega: FloatArray, free: int) -> FloatArray:

@@ -13,8 +13,9 @@ from lcpflex.bodies.body import Body, FidelityLevel
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.node_sets import rows_of
 from lcpflex.bodies.fem.stiffness_error import warn_if_too_stiff
+from lcpflex.bodies.reduction.again import Reduction
 from lcpflex.bodies.reduction.bases import Basis, elastic_count, free_basis, interface_basis, residual_basis
-from lcpflex.bodies.reduction.damping import Damping, Rayleigh, check_damping
+from lcpflex.bodies.reduction.damping import Damping, Rayleigh, check_damping, continued
 from lcpflex.bodies.reduction.eigenmodes import FULL_LIMIT, FreeMesh
 from lcpflex.bodies.reduction.fidelity_levels import counted
 from lcpflex.bodies.reduction.mesh_body import NO_RESIDUAL, Residual, body_of
@@ -36,6 +37,7 @@ def reduced(
     basis: Callable[[FiniteElements], Basis],
     damping: Damping | None,
     stiffening: Stiffening | None,
+    reduction: Reduction[Body],
     nodes: IntArray | None = None,
     columns: int | None = None,
     held: Held | None = None,
@@ -45,6 +47,7 @@ def reduced(
 
     Parameters
     ----------
+    reduction : what makes the body with another number of modes
     nodes : those that the levels take for the boundary; None for those of small named sets
     columns : number of free modes, where it is known before the basis is made: to refuse wrong dampings early
     held : the interfaces of which the columns behind these are the residual modes
@@ -64,6 +67,7 @@ def reduced(
         body,
         statics=MeshStatics(stiffened),
         fidelity_levels=partial(_levels, stiffened, damping, stiffening, nodes, held, residual),
+        reduction=reduction,
     )
 
 
@@ -95,33 +99,23 @@ def _levels(
     """
     free = cache(lambda: FreeMesh.of(mesh))  # one factor for all levels
     levels: list[FidelityLevel] = []
-    again = partial(_levels, mesh, damping, stiffening, nodes, held, residual)
-
-    def level(name: str, modes: int, basis: Callable[[], Basis], extra: Residual = NO_RESIDUAL) -> None:
-        def make() -> Body:
-            own = damping[: modes - extra.modes] if isinstance(damping, np.ndarray) else damping
-            body = body_of(mesh, *basis(), own, stiffening, extra)
-            return replace(body, statics=MeshStatics(mesh), fidelity_levels=again)
-
-        levels.append(FidelityLevel(name, modes, make))
-
-    def some(n: int) -> None:
-        if held is None or not n + residual.modes < most:
-            level(counted(n, 0), n, lambda: free_basis(free(), n))
-        else:
-            level(
-                counted(n, residual.modes),
-                n + residual.modes,
-                lambda: interface_basis(free(), held.loads, n),
-                residual,
-            )
-
     most = elastic_count(mesh)
     known = most
+    again = partial(_levels, mesh, damping, stiffening, nodes, held, residual)
     if not (damping is None or isinstance(damping, Rayleigh) or np.ndim(damping) == 0):
         damping = np.asarray(damping, dtype=np.float64)
         known = len(damping)
-    level("rigid", 0, lambda: free_basis(free(), 0))
+
+    def level(name: str, modes: int, n: int, rows: IntArray | None = None) -> None:
+        make = partial(_of_level, again, mesh, damping, stiffening, held, residual, rows)
+        reduction = Reduction(n, most, make)
+        levels.append(FidelityLevel(name, modes, partial(_made, partial(make, n, free), reduction)))
+
+    def some(n: int) -> None:
+        static = residual.modes if _is_held(held, residual, n, most) else 0
+        level(counted(n, static), n + static, n)
+
+    level("rigid", 0, 0)
     for n in _powers(min(known, most)):
         some(n)
     if known < most:
@@ -129,10 +123,45 @@ def _levels(
         return tuple({level.modes: level for level in levels}.values())
     rows = rows_of(mesh, _boundary(mesh) if nodes is None else nodes)
     if 0 < len(rows) <= 2 * MOST_NODES and NEAR * (len(rows) + KEPT) < most:
-        level("boundary nodes", KEPT + len(rows), lambda: residual_basis(free(), rows, KEPT))
+        level("boundary nodes", KEPT + len(rows), KEPT, rows)
     if len(mesh.dofs) <= FULL_LIMIT:
-        level("full mesh", most, lambda: free_basis(free(), most))
+        level("full mesh", most, most)
     return tuple(levels)
+
+
+def _is_held(held: Held | None, residual: Residual, modes: int, most: int) -> bool:
+    """Whether so many free modes have residual ones beside them: not none, nor as many as all of the mesh."""
+    return held is not None and modes > 0 and modes + residual.modes < most
+
+
+def _made(make: Callable[[], Body], reduction: Reduction[Body]) -> Body:
+    return replace(make(), reduction=reduction)
+
+
+def _of_level(
+    again: Callable[[], tuple[FidelityLevel, ...]],
+    mesh: FiniteElements,
+    damping: Damping | None,
+    stiffening: Stiffening | None,
+    held: Held | None,
+    residual: Residual,
+    rows: IntArray | None,
+    modes: int,
+    free: Callable[[], FreeMesh] | None = None,
+) -> Body:
+    """The body with so many free modes, and the static response at ``rows`` or, without them, at interfaces."""
+    whole = FreeMesh.of(mesh) if free is None else free()
+    extra = NO_RESIDUAL
+    if rows is not None:
+        basis = residual_basis(whole, rows, modes)
+    elif held is not None and _is_held(held, residual, modes, elastic_count(mesh)):
+        basis = interface_basis(whole, held.loads, modes)
+        extra = held.residual(len(basis[0]) - modes)
+    else:
+        basis = free_basis(whole, modes)
+    own = continued(damping, len(basis[0]) - extra.modes)
+    body = body_of(mesh, *basis, own, stiffening, extra)
+    return replace(body, statics=MeshStatics(mesh), fidelity_levels=again)
 
 
 def _powers(known: int) -> list[int]:

@@ -15,6 +15,7 @@ from lcpflex.basics.arguments import array_of, one_of, positive, sequence_of, wh
 from lcpflex.bodies.body import Resolution
 from lcpflex.bodies.fem.material import check_material
 from lcpflex.bodies.line_body import check_positive
+from lcpflex.bodies.reduction.again import reduction_by
 from lcpflex.bodies.reduction.bases import Basis
 from lcpflex.bodies.reduction.damping import Damping, damped_modes
 from lcpflex.bodies.reduction.mesh_body import Residual
@@ -154,7 +155,8 @@ class SpatialBeam:
         if clamped is not None:
             node = 0 if one_of("clamped", clamped, ("left", "right")) == "left" else self.elements
             held = DOFS * node + np.arange(DOFS)
-        n = damped_modes(modes, elastic_count(mesh, held), damping, residual_damping)
+        most = elastic_count(mesh, held)
+        n = damped_modes(modes, most, damping, residual_damping)
         places = [_place(self, one) for one in _listed(interfaces)]
         loads = load_columns([(_operator(line, *place), True) for place in places], len(mesh.rank))
         found, n = free_basis(mesh, loads, n, held)
@@ -163,6 +165,10 @@ class SpatialBeam:
             mesh, _by_strain(self._strains(line), found), damping, residual, second_order, clamped=held is not None,
             resolution=Resolution(math.sqrt(self.youngs_modulus / self.density), line.h),
             recover=partial(_recovered, self, line),
+            reduction=reduction_by(
+                self.reduce, n, most, damping, interfaces=places, clamped=clamped, second_order=second_order,
+                residual_damping=residual_damping,
+            ),
         )  # fmt: skip
 
     def _line(self) -> BeamMesh:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -29,7 +29,12 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.recovery import SpatialLineShapes
 
-__all__ = ["SpatialBody", "SpatialPoint"]
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
+
+    from lcpflex.bodies.reduction.again import Reduction
+
+__all__ = ["MeshModes", "SpatialBody", "SpatialPoint"]
 
 # What may be omitted, and is there once the body is made.
 FloatArrayOrNone: TypeAlias = FloatArray
@@ -52,6 +57,17 @@ class SpatialPoint:
     phi: FloatArray
     psi: FloatArray
     turns: bool = True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeshModes:
+    """The modes of a body on its mesh, by which a deformation is carried over to other modes of the same mesh.
+
+    mass : (f, f) sparse; shapes : (f, n) displacements of the modes, M-orthonormal
+    """
+
+    mass: csc_matrix[Any]
+    shapes: FloatArray
 
 
 MappingOrNone: TypeAlias = Mapping[str, SpatialPoint]
@@ -85,6 +101,8 @@ class SpatialBody:
     resolution : what the mesh can resolve; None where it has none
     residual_modes : how many of the last coordinates are residual modes, the static response at interfaces
     recovery : what its section forces are recovered from; None where it has none
+    reduction : by how many modes of its mesh it was made, and what makes it with more; None where that is not known
+    mesh_modes : its modes on its mesh; None where it has none
 
     Raises
     ------
@@ -114,6 +132,8 @@ class SpatialBody:
     resolution: Resolution | None = field(default=None, repr=False)
     residual_modes: int = 0
     recovery: SpatialLineShapes | None = field(default=None, repr=False)
+    reduction: Reduction[SpatialBody] | None = field(default=None, repr=False)
+    mesh_modes: MeshModes | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mass", positive("mass", self.mass))

@@ -17,10 +17,11 @@ import numpy as np
 
 from lcpflex.basics.arguments import array_of, whole_number
 from lcpflex.bodies.body import Lazily, Resolution
+from lcpflex.bodies.reduction.again import Reduction
 from lcpflex.bodies.reduction.bases import Basis
 from lcpflex.bodies.reduction.damping import Damping, signed, vanish
 from lcpflex.bodies.reduction.mesh_body import Residual, damping_of
-from lcpflex.bodies.spatial.body import SpatialBody, SpatialPoint
+from lcpflex.bodies.spatial.body import MeshModes, SpatialBody, SpatialPoint
 from lcpflex.bodies.spatial.checks import skew, skew_part
 from lcpflex.bodies.spatial.elastic import ElasticMesh, Integrals, material
 from lcpflex.bodies.spatial.shapes import SurfaceShape
@@ -54,6 +55,7 @@ def flexible_body(
     clamped: bool,
     resolution: Resolution | None = None,
     recover: Callable[[FloatArray], SpatialLineShapes] | None = None,
+    reduction: Reduction[SpatialBody] | None = None,
 ) -> SpatialBody:
     """The body of a mesh in an orthonormal basis that diagonalises its stiffness.
 
@@ -66,6 +68,7 @@ def flexible_body(
     clamped : whether the frame rides on what is held, or is the mean frame
     resolution : what the mesh can resolve
     recover : what section forces are recovered from, of the shapes (f, n)
+    reduction : what makes the body with another number of modes; None where it has no other
 
     Raises
     ------
@@ -108,6 +111,8 @@ def flexible_body(
         resolution=resolution,
         residual_modes=residual.modes,
         recovery=None if recover is None else recover(shapes),
+        reduction=reduction,
+        mesh_modes=MeshModes(mesh.mass, shapes),
     )
 
 

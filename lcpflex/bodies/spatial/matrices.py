@@ -14,6 +14,7 @@ import numpy.typing as npt
 from lcpflex.basics.arguments import array_of, mapping_of, sequence_of, unknown
 from lcpflex.bodies.fem.checked_matrices import check_directions, check_free, check_units, symmetric
 from lcpflex.bodies.fem.node_sets import node_numbers
+from lcpflex.bodies.reduction.again import reduction_by
 from lcpflex.bodies.reduction.damping import Damping, check_damping
 from lcpflex.bodies.reduction.eigenmodes import rank_of
 from lcpflex.bodies.reduction.mesh_body import NO_RESIDUAL, Residual
@@ -151,7 +152,8 @@ class SpatialMatrices:
         held = None if clamped is None else _rows(self._chosen("clamped", clamped))
         residual = NO_RESIDUAL
         chosen = [name for name, value in (("boundary", boundary), ("basis", basis)) if value is not None]
-        operators = [self._interface(one) for one in _listed(interfaces)]
+        held_at = _listed(interfaces)
+        operators = [self._interface(one) for one in held_at]
         if len(chosen) + bool(operators) > 1:
             raise ModelError(
                 f"{', '.join([*chosen, *(['interfaces'] if operators else [])])}: all were given, expected one of them"
@@ -161,13 +163,23 @@ class SpatialMatrices:
         if basis is not None:
             found = given_basis(mesh, array_of("basis", basis, (len(mesh.rank), -1)), held)
         elif boundary is not None:
-            found = boundary_basis(mesh, _rows(self._chosen("boundary", boundary)), modes, held)
+            rows = _rows(self._chosen("boundary", boundary))
+            found = boundary_basis(mesh, rows, modes, held)
+            most = len(mesh.rank) - len(rows if held is None else np.union1d(rows, held))
+            n = most if modes is None else modes
         else:
             if damping is not None and modes is not None:
                 check_damping(damping, min(modes, elastic_count(mesh, held)) if isinstance(modes, int) else 0)
             found, n = free_basis(mesh, load_columns(operators, len(mesh.rank)), modes, held)
+            most = elastic_count(mesh, held)
             residual = Residual(len(found[0]) - n, 0, residual_damping)
-        return flexible_body(mesh, found, damping, residual, second_order, clamped=held is not None)
+        again = None
+        if basis is None:
+            again = reduction_by(
+                self.reduce, n, most, damping, interfaces=held_at, boundary=boundary, clamped=clamped,
+                second_order=second_order, residual_damping=residual_damping,
+            )  # fmt: skip
+        return flexible_body(mesh, found, damping, residual, second_order, clamped=held is not None, reduction=again)
 
     def _elastic(self) -> ElasticMesh:
         """What every reduction starts from."""

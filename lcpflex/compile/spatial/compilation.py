@@ -17,6 +17,7 @@ from lcpflex.compile.spatial.joints import compile_spatial_joints
 from lcpflex.compile.spatial.loads import compile_spatial_loads
 from lcpflex.compile.spatial.sensors import compiled_spatial_sensor
 from lcpflex.dynamics.spatial.state import SpatialState
+from lcpflex.dynamics.time_functions import Materials
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import frozen
@@ -44,7 +45,8 @@ def compiled_spatial_scene(
     bodies = compile_spatial_bodies(parts.bodies)
     q = frozen(np.concatenate([p.start[0] for p in parts.placed]))
     u = frozen(np.concatenate([p.start[1] for p in parts.placed]))
-    assembly = SpatialAssembly(SpatialState(0.0, q, u, bodies))
+    materials = Materials(parts.placed)
+    assembly = SpatialAssembly(SpatialState(0.0, q, u, bodies, materials))
     named = {
         (p.name, name): assembly.point(p.body, point)
         for p, body in zip(parts.placed, parts.bodies, strict=True)
@@ -97,6 +99,7 @@ def compiled_spatial_scene(
         callbacks,
         tuple(contact.law for contact in declared.values()),
         assembly.signals.functions,
+        materials,
         warnings=(*misfits, *left_out.warnings),
         notes=(*left_out.notes, *notes),
         recovery=tuple(body.recovery for body in parts.bodies),

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from lcpflex.basics.attributes import NamesNearest
 from lcpflex.bodies.placed_point import PlacedPoint
-from lcpflex.dynamics.time_functions import OnBody
+from lcpflex.bodies.spatial.body import SpatialPoint
+from lcpflex.dynamics.time_functions import Materials, OnBody, known_material
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.kinematics.spatial.frames import matrices, small_rotations
 from lcpflex.model.spatial import N_PLACE, N_RIGID, SpatialBodies
@@ -27,6 +28,7 @@ class SpatialState(NamesNearest):
     q: FloatArray  # (nq,)
     u: FloatArray  # (nu,)
     bodies: SpatialBodies
+    materials: Materials | None = field(default=None, repr=False)  # of points of scenes with other bodies; None: theirs
 
     def position(self, point: PlacedPoint) -> FloatArray:
         """r_P = R + A (x + Phi eta) (3,) [m]."""
@@ -40,7 +42,7 @@ class SpatialState(NamesNearest):
         if point.body < 0:
             return np.zeros(3)
         d = int(self.bodies.dof[point.body])
-        rate = self._rates(point.body) @ point.material.phi + np.cross(self.u[d + 3 : d + 6], self._local(point))
+        rate = self._rates(point.body) @ self._material(point).phi + np.cross(self.u[d + 3 : d + 6], self._local(point))
         return np.asarray(self.u[d : d + 3] + self._frame(point.body) @ rate)
 
     def rotation(self, of: OnBody) -> FloatArray:
@@ -48,9 +50,9 @@ class SpatialState(NamesNearest):
         if of.body < 0:
             return np.eye(3)
         frame = self._frame(of.body)
-        if not isinstance(of, PlacedPoint) or not len(of.material.psi):
+        if not isinstance(of, PlacedPoint) or not len(psi := self._material(of).psi):
             return frame
-        return np.asarray(frame @ small_rotations(self._modal(of.body) @ of.material.psi))
+        return np.asarray(frame @ small_rotations(self._modal(of.body) @ psi))
 
     def angular_velocity(self, of: OnBody) -> FloatArray:
         """(3,) [rad/s] of a body, or of the material at a point of one; 0 for the ground.
@@ -61,9 +63,8 @@ class SpatialState(NamesNearest):
             return np.zeros(3)
         d = int(self.bodies.dof[of.body])
         omega = self.u[d + 3 : d + 6]
-        if isinstance(of, PlacedPoint) and len(of.material.psi):
-            psi, rate = self._modal(of.body) @ of.material.psi, self._rates(of.body) @ of.material.psi
-            omega = omega + spin_of(psi, rate)
+        if isinstance(of, PlacedPoint) and len(shapes := self._material(of).psi):
+            omega = omega + spin_of(self._modal(of.body) @ shapes, self._rates(of.body) @ shapes)
         return np.asarray(self._frame(of.body) @ omega)
 
     def _frame(self, body: int) -> FloatArray:
@@ -77,7 +78,12 @@ class SpatialState(NamesNearest):
         return self.u[int(self.bodies.dof[body]) + N_RIGID : int(self.bodies.dof[body + 1])]
 
     def _local(self, point: PlacedPoint) -> FloatArray:
-        return np.asarray(point.material.place + self._modal(point.body) @ point.material.phi)
+        material = self._material(point)
+        return np.asarray(material.place + self._modal(point.body) @ material.phi)
+
+    def _material(self, point: PlacedPoint) -> SpatialPoint:
+        found: SpatialPoint = known_material(self.materials, point)
+        return found
 
 
 def spin_of(psi: FloatArray, rate: FloatArray) -> FloatArray:

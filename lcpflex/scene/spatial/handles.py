@@ -59,6 +59,11 @@ class SpatialPlaced(PlacedBody):
     scene: Register = field(repr=False)
 
     @property
+    def order(self) -> None:
+        """Of bodies that are reduced with their scene: in space, none."""
+        return None
+
+    @property
     def has_outline(self) -> bool:
         """Whether the body has a surface that can be touched."""
         shape = None if self.source is None else self.source.shape

@@ -21,7 +21,7 @@ from lcpflex.scene.contact_rules import contact_between, rule_of
 from lcpflex.scene.declared import ContactRule, DeclaredContact
 from lcpflex.scene.naming import free_name
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
-from lcpflex.scene.register import Register
+from lcpflex.scene.register import Register, Start
 from lcpflex.scene.sensors.sensor import Sensor, check_placed_sensor
 from lcpflex.scene.spatial.handles import Place, SpatialPlaced
 from lcpflex.scene.spatial.orientation import matrix_of, quaternion_of
@@ -82,6 +82,7 @@ class SpatialScene(Register):
     spatial: ClassVar[bool] = True
     _known_as: ClassVar[Mapping[str, str]] = _KNOWN_AS
     _axes: ClassVar[int] = 3
+    _kind: ClassVar[type] = SpatialBody
 
     def __init__(self, gravity: npt.ArrayLike = (0.0, 0.0, -9.81)) -> None:
         self.gravity = gravity
@@ -169,6 +170,10 @@ class SpatialScene(Register):
             velocities[:3] -= turning
         self._placed[called] = placed
         return placed
+
+    def _put(self, name: str, body: SpatialBody, start: Start, order: None) -> None:
+        """Take a body of another scene by its name, at a configuration with a velocity."""
+        self._placed[name] = SpatialPlaced(name, len(self._placed), body, start, self)
 
     def body(self, name: str) -> SpatialPlaced:
         """The body of that name."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from lcpflex.basics.arguments import raised, sequence_of
 from lcpflex.bodies.body import Body, FidelityLevel
 from lcpflex.errors import LcpflexError, ModelError, shown
+from lcpflex.results.watched_places import two_places
 from lcpflex.scene.planar_only import refuse_space
 from lcpflex.scene.scene import Scene
 from lcpflex.scene.substitution import settled
@@ -22,7 +23,6 @@ from lcpflex.studies.outputs import (
     motion_of,
     standard_outputs,
     trajectory,
-    two_places,
 )
 
 if TYPE_CHECKING:

@@ -1,0 +1,46 @@
+"""Where a reduced body comes from: by how many modes of its mesh it was made, and what makes it with more of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Generic, TypeVar
+
+from lcpflex.bodies.reduction.damping import continued
+
+__all__ = ["Reduction", "reduction_by"]
+
+Made = TypeVar("Made")  # a Body, or a SpatialBody
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reduction(Generic[Made]):
+    """How a body was reduced.
+
+    Attributes
+    ----------
+    modes : how many were chosen: free ones, or those of the mesh with its boundary held
+    most : how many of these the mesh has
+    make : makes the same body with so many of them: of the same mesh, with the same boundary, interfaces and damping
+    """
+
+    modes: int
+    most: int
+    make: Callable[[int], Made]
+
+    def doubled(self, coordinates: int) -> int:
+        """Twice as many modes, at most those of the mesh; of a body of static shapes alone, as many as it has.
+
+        coordinates: how many modal coordinates the body has.
+        """
+        return min(self.most, 2 * self.modes or coordinates)
+
+
+def reduction_by(reduce: Callable[..., Made], modes: int, most: int, damping: Any, **options: Any) -> Reduction[Made]:
+    """Of a body that ``reduce(modes, damping=damping, **options)`` makes, of at most ``most`` modes."""
+    return Reduction(modes, most, partial(_again, reduce, damping, options))
+
+
+def _again(reduce: Callable[..., Made], damping: Any, options: Mapping[str, Any], modes: int) -> Made:
+    return reduce(modes, damping=continued(damping, modes), **options)
