@@ -67,8 +67,11 @@ def rerun(
     return Finished(told, found)
 
 
-def checking_runs(result: Result, origin: Origin) -> Iterator[Finished | str]:
-    """The reruns that check a run: two with steps, or tolerances, and one of an event-driven run."""
+def checking_runs(result: Result, origin: Origin, other: bool = True) -> Iterator[Finished | str]:
+    """The reruns that check a run: two with steps, or tolerances, and one of an event-driven run.
+
+    other: whether another method may be one of them.
+    """
     stepper, kind = origin.stepper, fineness(origin.stepper)
     if kind is None:
         raise ModelError(f"verify: {brief(stepper)} has neither a step nor a tolerance to be made finer by")
@@ -78,7 +81,7 @@ def checking_runs(result: Result, origin: Origin) -> Iterator[Finished | str]:
         return
     interval = max(1, round(interval / kind[1])) * kind[1] if interval > 0.0 else kind[1]
     yield rerun(origin, refined(stepper, QUARTER), "a quarter of the step", 2.0, until, interval)
-    yield _second_opinion(result, origin, until, interval)
+    yield _second_opinion(result, origin, until, interval, other)
 
 
 def _of_tolerance(origin: Origin, until: float, interval: float) -> Iterator[Finished | str]:
@@ -95,10 +98,10 @@ def _of_tolerance(origin: Origin, until: float, interval: float) -> Iterator[Fin
         yield rerun(origin, refined(stepper, factor), f"{what} of the tolerance", 2.0, until, interval)
 
 
-def _second_opinion(result: Result, origin: Origin, until: float, interval: float) -> Finished | str:
+def _second_opinion(result: Result, origin: Origin, until: float, interval: float, asked: bool) -> Finished | str:
     """Another method where there is one for the scene and it comes to the end, else half the step."""
     most = max(ENOUGH, QUARTER * result.steps / CALLS)
-    for other in _others(origin, until):
+    for other in _others(origin, until) if asked else ():
         limit = most if hasattr(other, "rtol") else math.inf
         found = rerun(origin, other, "another method", 2.0, until, interval, limit)
         if isinstance(found, Finished) and not found.told.ended:

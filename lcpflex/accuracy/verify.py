@@ -15,6 +15,7 @@ import numpy as np
 from lcpflex.accuracy.comparison import bodies_of, differences, window_of
 from lcpflex.accuracy.reruns import Finished, checking_runs
 from lcpflex.accuracy.sameness import origin_of, refuse_others
+from lcpflex.basics.arguments import flag
 from lcpflex.basics.lengths import lengths
 from lcpflex.basics.progress import Progress
 from lcpflex.errors import ModelError
@@ -41,14 +42,17 @@ def is_cheap(result: Result) -> bool:
     return bool(float(result.steps) * max(1, result.u.shape[1]) * contacts <= CHEAP)
 
 
-def verify(result: Result, scene: Any = None, stepper: Any = None, progress: bool | None = None) -> MeasuredError:
+def verify(
+    result: Result, scene: Any = None, stepper: Any = None, progress: bool | None = None, other: bool = True
+) -> MeasuredError:
     """See :meth:`lcpflex.Result.verify`."""
     if len(result.times) < 2 or not (np.isfinite(result.q).all() and np.isfinite(result.u).all()):
         raise ModelError("verify: the result holds no motion of finite numbers; expected one that began, and went well")
+    other = flag("other", other)
     origin = origin_of(result, scene, stepper)
     with Progress(progress, lambda: "running it again, finer and by another method", what="verify", bar=False):
         refuse_others(result, origin)
-        found = list(checking_runs(result, origin))
+        found = list(checking_runs(result, origin, other))
     reruns = [one for one in found if isinstance(one, Finished)]
     if not reruns:
         raise ModelError(f"verify: no rerun came to anything: {'; '.join(map(str, found))[:400]}")

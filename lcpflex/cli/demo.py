@@ -35,6 +35,9 @@ def _demo(request: argparse.Namespace) -> int:
     case = case_named(DEMO)
     print(f"{case.title}\n", flush=True)
     result = later.simulate(case.build(), case.duration, case.stepper)
+    if result.complete:
+        print("measuring the error, with a half and a quarter of the step ...", file=sys.stderr, flush=True)
+        result.verify(other=False)  # another method would be compiled first
     print(result.summary(), "\n", flush=True)
     picture, chart, film = (folder / f"lcpflex-demo.{name}" for name in ("png", "chart.png", "gif"))
     save_figure(result.draw(_telling_time(result)), picture)

@@ -33,6 +33,9 @@ def add_run(commands: Any) -> None:
     run.add_argument(
         "--budget", type=float, metavar="SECONDS", help="of computing, after which the run ends where it is"
     )
+    run.add_argument(
+        "--no-verify", action="store_true", help="do not measure the error by reruns, which take six times the work"
+    )
     run.add_argument("--save", type=Path, metavar="FILE", help="write the result to this npz file")
     run.add_argument("--plot", type=Path, metavar="FILE", help="write a chart to this png, pdf or svg file")
     run.set_defaults(command=_run)
@@ -56,7 +59,7 @@ def _run(request: argparse.Namespace) -> int:
     scene, duration, stepper = scene_named(request.scene)
     duration = duration_of(request, duration)
     stepper = _stepper(request.stepper, request.step, request.stiffness, stepper)
-    result = later.simulate(scene, duration, stepper, budget=request.budget)
+    result = later.simulate(scene, duration, stepper, budget=request.budget, verify=not request.no_verify)
     print(result.summary())
     if request.save is not None:
         print(f"\nsaved: {result.save(request.save).resolve()}")

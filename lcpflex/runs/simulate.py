@@ -174,10 +174,15 @@ def _verified(result: Result, verify: bool | str, scene: Any, progress: bool | N
     if verify is False or not result.complete:
         return result
     if verify is True or later.is_cheap(result):
+        why = ""
         try:
             later.verify(result, progress=progress)
         except KeyboardInterrupt:
-            return replace(result, notes=(*result.notes, "the verification was interrupted: the error is not known"))
+            why = "it was interrupted"
+        except LcpflexError as error:  # what was run is not lost with it
+            why = str(error)
+        if why:
+            return replace(result, notes=(*result.notes, f"the error of the run was not measured: {why}"))
     return result
 
 
