@@ -16,7 +16,7 @@ import numpy as np
 
 from lcpflex.dynamics.time_functions import HARMONIC
 from lcpflex.errors import in_range
-from lcpflex.model.layout import dimension
+from lcpflex.model.layout import dimension, is_spatial
 from lcpflex.runs.named_steppers import kind_named
 from lcpflex.scene.user_system import UserSystem
 
@@ -29,6 +29,8 @@ __all__ = ["Choice", "Wish", "in_words", "step_of"]
 
 RTOL = 1e-6  # of event-driven stepping: a tighter one moves nothing that shows, and takes a seventh longer
 MOST_BODIES = 12  # that may touch each other, up to which impacts are located one by one
+FACE = 3  # points that a face rests on in space: bodies with faces count by them, capsules by two
+A_HEAP = 0.5  # of the most bodies: from there on the method that begins anew is the cheaper one
 MOST_CONTACTS = 36  # of a user's own system, which has no bodies: such heaps have three contacts a body
 STEPS = 500  # in the duration, at least
 OF_FALL, OF_WAY, OF_TURN = 1e-2, 1e-2, 2e-2  # of sqrt(L / g), of L / v, of a radian
@@ -141,36 +143,37 @@ def _default(source: CompiledScene | UserSystem, duration: float) -> Choice:
         # steps of one length miss touches, or blow up in them: nothing takes its place
         return Choice(_event_driven(), "contacts by force laws need error control")
     step = step_of(source, duration)
-    many, flexible, why = _contacts(source)
-    other: Stepper = kind_named("moreau-jean" if many and not flexible else "generalized-alpha")(step=step)
+    share, flexible, why = _contacts(source)
+    other: Stepper = kind_named("moreau-jean" if share > A_HEAP and not flexible else "generalized-alpha")(step=step)
     python = isinstance(source, UserSystem) or bool(source.callbacks)
     most = math.ceil((WORK_IN_PYTHON if python else WORK) * duration / step)
     fastest = float(_frequencies(source).max(initial=0.0))
-    if many or flexible:
+    if share > 1.0 or flexible:
         return Choice(other, why)
     if (needed := fastest * duration / STABLE) > most:
         return Choice(other, f"event-driven stepping of modes up to {fastest:.3g} rad/s would take {needed:.2g} steps")
     return Choice(_event_driven(), why, other, most)
 
 
-def _contacts(source: CompiledScene | UserSystem) -> tuple[bool, bool, str]:
-    """Whether contacts are many, whether flexible bodies touch each other, and why either or neither, in words."""
+def _contacts(source: CompiledScene | UserSystem) -> tuple[float, bool, str]:
+    """How many contacts there are, as a share of those that are few; whether flexible bodies touch; both in words."""
     if isinstance(source, UserSystem):
         count = min(len(source.names), len(np.asarray(source.u)))  # more do not carry load without contradiction
-        return count > MOST_CONTACTS, False, f"at most {count} contacts carry load at once" if count else NO_CONTACTS
+        return count / MOST_CONTACTS, False, f"at most {count} contacts carry load at once" if count else NO_CONTACTS
     model = source.model
     if not len(model.contacts.friction):
-        return False, False, NO_CONTACTS
+        return 0.0, False, NO_CONTACTS
     touch = _touch(model.contacts, len(model.bodies.mass))
     soft = np.diff(model.bodies.dof) > dimension(model.bodies).rigid
     pairs = np.argwhere(touch & soft & soft[:, None])
     if len(pairs):
         first, second = (source.layout.bodies[body] for body in pairs[0])
-        return False, True, f"flexible bodies may lie on each other ({first!r} and {second!r})"
-    count = _largest_group(touch)
+        return 0.0, True, f"flexible bodies may lie on each other ({first!r} and {second!r})"
+    count, points = _largest_group(touch, _points(model))
     if count < 2:
-        return False, False, "no two bodies touch each other"
-    return count > MOST_BODIES, False, f"{'' if count > MOST_BODIES else 'only '}{count} bodies may lie on each other"
+        return 0.0, False, "no two bodies touch each other"
+    few = points <= MOST_BODIES
+    return points / MOST_BODIES, False, f"{'only ' if few else ''}{count} bodies may lie on each other"
 
 
 NO_CONTACTS = "it has no contacts"
@@ -196,9 +199,17 @@ def _touch(contacts: Any, bodies: int) -> Any:
     return touch
 
 
-def _largest_group(touch: Any) -> int:
-    """Bodies of the largest group that is held together by contacts."""
-    left, largest = np.ones(len(touch), dtype=bool), 0
+def _points(model: Any) -> Any:
+    """(bodies,) By how many bodies each counts."""
+    contacts, points = model.contacts, np.ones(len(model.bodies.mass) + 1, dtype=int)
+    if is_spatial(model):
+        np.maximum.at(points, contacts.surface_body, np.minimum(np.diff(contacts.node_start), FACE))
+    return points[:-1]
+
+
+def _largest_group(touch: Any, points: Any) -> tuple[int, int]:
+    """Bodies, and what they count, of the largest group that is held together by contacts."""
+    left, largest = np.ones(len(touch), dtype=bool), (0, 0)
     while left.any():
         group = np.zeros(len(touch), dtype=bool)
         grown = group.copy()
@@ -206,7 +217,7 @@ def _largest_group(touch: Any) -> int:
         while (grown != group).any():
             group, grown = grown, grown | touch[grown].any(axis=0)
         left &= ~group
-        largest = max(largest, int(group.sum()))
+        largest = max(largest, (int(group.sum()), int(points[group].sum())), key=lambda found: found[1])
     return largest
 
 

@@ -63,10 +63,25 @@ def test_piles_are_counted(dim: int, listed: bool) -> None:
     few, many = chosen(balls(12, dim, listed)), chosen(balls(13, dim, listed))
     assert few.stepper == lf.EventDriven(rtol=1e-6)
     assert "only 12 bodies" in few.note
-    assert few.other == lf.GeneralizedAlpha(step=2e-4)
+    assert few.other == lf.MoreauJean(step=2e-4)
     assert many.stepper == lf.MoreauJean(step=2e-4)
     assert "13 bodies" in many.note
     assert many.other is None
+    assert chosen(balls(6, dim, listed)).other == lf.GeneralizedAlpha(step=2e-4)
+
+
+@pytest.mark.parametrize("model", [lf.Cuboid(0.2, 0.2, 0.2, mass=1.0), lf.Cylinder(0.1, 0.2, mass=1.0)])
+def test_faces_count_by_the_points_they_rest_on(model: Any) -> None:
+    def stack(count: int) -> lf.SpatialScene:
+        scene = lf.SpatialScene(gravity=(0.0, 0.0, -9.81))
+        for k in range(count):
+            scene.add(model, f"body {k}", (0.0, 0.0, 0.25 * (k + 1)))
+        scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+        scene.contact_all()
+        return scene
+
+    assert isinstance(chosen(stack(4)).stepper, lf.EventDriven)
+    assert chosen(stack(5)).stepper == lf.MoreauJean(step=2e-4)
 
 
 def test_bodies_that_meet_the_ground_alone_are_no_pile() -> None:
@@ -211,11 +226,30 @@ def test_a_run_begun_anew_goes_on_from_its_checkpoint(tmp_path: Path) -> None:
     assert result.notes == whole.notes
 
 
+def bouncing() -> lf.Scene:
+    """A disc that takes more than a hundred steps and impacts in 50 s."""
+    scene = lf.Scene(gravity=(0.0, -9.81))
+    disc = scene.add(lf.Disc(radius=0.1, mass=1.0), "disc", position=(0.0, 0.1), velocity=(0.0, 1.0))
+    scene.contact(disc.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), restitution=0.999)
+    return scene
+
+
+def test_too_much_work_after_a_break_begins_the_run_anew(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(default_stepper, "WORK", 2.4e-3)  # a hundred of its steps and impacts
+    path = tmp_path / "run.npz"
+    whole = lf.simulate(bouncing(), 50.0)
+    part = lf.simulate(bouncing(), 50.0, checkpoint=path, budget=1e-6)
+    assert part.stepper.startswith("EventDriven")
+    result = lf.resume(path, bouncing())
+    assert result.stepper == whole.stepper
+    assert result.stepper.startswith("GeneralizedAlpha")
+    assert result.notes == whole.notes
+    assert np.array_equal(result.q, whole.q)
+
+
 def test_a_stepper_that_stops_is_followed_by_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(default_stepper, "_event_driven", lambda: lf.EventDriven(rtol=1e-6, most_events=1e-6))
-    scene = lf.Scene(gravity=(0.0, -9.81))
-    disc = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.0, 0.1), velocity=(0.0, 1.0))
-    scene.contact(disc.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), restitution=0.999)
+    scene = bouncing()
     with pytest.raises(lf.StepError, match="followed each other"):
         lf.simulate(scene, 400.0, lf.EventDriven(rtol=1e-6, most_events=1e-6))
     result = lf.simulate(scene, 400.0)
@@ -245,16 +279,21 @@ def test_what_a_function_of_the_user_raises_ends_the_run() -> None:
     assert len(calls) == 1
 
 
-@pytest.mark.usefixtures("overworked")
 @pytest.mark.parametrize("second", [False, True])
-def test_an_interrupted_run_is_given_as_far_as_it_came(second: bool) -> None:
+def test_an_interrupted_run_is_given_as_far_as_it_came(second: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    def instead(self: default_stepper.Choice, run: Any, message: str) -> default_stepper.Choice:
+        begun.append(1)
+        return replaced(self, run, message)
+
     def load(t: float) -> tuple[float, float]:
-        ended.append(t >= 0.05)
-        if 0.01 < t < 0.04 and (any(ended) or not second):
+        if t > 0.01 and len(begun) == second:
             raise KeyboardInterrupt
         return 0.0, 0.0
 
-    ended: list[bool] = []
+    begun: list[int] = []
+    replaced = default_stepper.Choice.instead
+    monkeypatch.setattr(default_stepper.Choice, "instead", instead)
+    monkeypatch.setattr(default_stepper, "WORK_IN_PYTHON", 1e-9 if second else 10)
     result = lf.simulate(pushed(load), 0.05)
     assert not result.complete
     assert "interrupted" in result.message
