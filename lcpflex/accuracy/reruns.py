@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from lcpflex.results.result import Result
     from lcpflex.runs.origin import Origin
 
-__all__ = ["Finished", "checking_runs", "rerun"]
+__all__ = ["Finished", "checking_runs", "rerun", "stored_interval"]
 
 QUARTER, HUNDREDTH = 4.0, 100.0
 FINEST = 1e-11  # rtol of an event-driven run, below which one of a looser tolerance checks it: rounding is as large
@@ -79,9 +79,17 @@ def checking_runs(result: Result, origin: Origin, other: bool = True) -> Iterato
     if kind[0] == "rtol":
         yield from _of_tolerance(origin, until, interval)
         return
-    interval = max(1, round(interval / kind[1])) * kind[1] if interval > 0.0 else kind[1]
+    interval = stored_interval(origin)
     yield rerun(origin, refined(stepper, QUARTER), "a quarter of the step", 2.0, until, interval)
     yield _second_opinion(result, origin, until, interval, other)
+
+
+def stored_interval(origin: Origin) -> float:
+    """Time between the instants that a run has stored, which its reruns store, too [s]."""
+    kind, asked = fineness(origin.stepper), origin.options.interval
+    if kind is None or kind[0] == "rtol":
+        return asked
+    return max(1, round(asked / kind[1])) * kind[1] if asked > 0.0 else kind[1]
 
 
 def _of_tolerance(origin: Origin, until: float, interval: float) -> Iterator[Finished | str]:

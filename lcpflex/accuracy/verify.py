@@ -8,12 +8,14 @@ same late instant.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lcpflex.accuracy.comparison import bodies_of, differences, window_of
-from lcpflex.accuracy.reruns import Finished, checking_runs
+from lcpflex.accuracy.modes import ModeError, mode_error
+from lcpflex.accuracy.reruns import Finished, checking_runs, stored_interval
 from lcpflex.accuracy.sameness import origin_of, refuse_others
 from lcpflex.basics.arguments import flag
 from lcpflex.basics.lengths import lengths
@@ -53,12 +55,21 @@ def verify(
     with Progress(progress, lambda: "running it again, finer and by another method", what="verify", bar=False):
         refuse_others(result, origin)
         found = list(checking_runs(result, origin, other))
+        modes = mode_error(result, origin, float(result.times[-1]), stored_interval(origin))
     reruns = [one for one in found if isinstance(one, Finished)]
     if not reruns:
         raise ModelError(f"verify: no rerun came to anything: {'; '.join(map(str, found))[:400]}")
-    error = measured(result, reruns, tuple(one for one in found if isinstance(one, str)))
+    error = _with_modes(measured(result, reruns, tuple(one for one in found if isinstance(one, str))), modes)
     object.__setattr__(result, "error", error)  # the one field that comes later: a result is a value else
     return error
+
+
+def _with_modes(error: MeasuredError, found: ModeError | None) -> MeasuredError:
+    """The error, with what twice as many modes change."""
+    if found is None:
+        return error
+    runs = error.reruns if found.rerun is None else (*error.reruns, found.rerun)
+    return replace(error, modes=found.off, modes_note=found.note, reruns=runs)
 
 
 def measured(result: Result, reruns: Sequence[Finished], notes: tuple[str, ...] = ()) -> MeasuredError:

@@ -93,7 +93,8 @@ class MeasuredError:
     reruns
         What was run.
     modes
-        By how much twice as many modes move a body, twice [m]; None where no body has modes, or this was not run.
+        By how much twice as many modes move a body, twice [m], which is no part of the curves: those are of the steps.
+        None where no body has modes, or this is not known.
     modes_note
         Why that was not run, or what came of it; empty where no body has modes.
     """

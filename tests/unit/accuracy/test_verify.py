@@ -204,3 +204,32 @@ def test_resumed_run_can_be_verified(tmp_path: Path) -> None:
     path = tmp_path / "run.npz"
     whole = lf.simulate(dropped(), 0.3, lf.MoreauJean(step=2e-3), checkpoint=path)
     assert lf.resume(path).verify().place == whole.verify().place
+
+
+def falling_bar(modes: int) -> lf.Scene:
+    """A bar that falls on a wall end on: with few modes it keeps too much of its energy."""
+    scene = lf.Scene()
+    bar = lf.Bar(length=1.0, area=1e-4, density=7800.0, youngs_modulus=2.1e11)
+    body = scene.add(bar, name="bar", modes=modes, position=(2e-4, 0.0), velocity=(-1.0, 0.0))
+    scene.contact(body.node(0.0, 0.0), scene.ground.half_plane((0.0, 0.0), (1.0, 0.0)), restitution=0.0, name="wall")
+    return scene
+
+
+def test_modes_are_part_of_the_error() -> None:
+    stepper = lf.MoreauJean(step=1e-6)
+    few, rich = (lf.simulate(falling_bar(modes), 2e-3, stepper) for modes in (2, 32))
+    error = few.verify()
+    assert error.reruns[-1].what == "twice as many modes"
+    assert error.modes is not None
+    ends = ("left", "right")
+    off = max(np.abs(few.point("bar", end) - rich.point("bar", end)).max() for end in ends)
+    assert 0.5 * off <= error.modes <= 4.0 * off
+    assert error.modes > error.place  # the modes err more than the steps
+
+
+def test_modes_are_told_where_they_cannot_be_doubled() -> None:
+    result = lf.simulate(falling_bar(2), 1e-3, lf.MoreauJean(step=1e-6))
+    again = lf.simulate(falling_bar(2), 1e-4, lf.MoreauJean(step=1e-6), initial=result, verify=True)
+    assert again.error is not None
+    assert again.error.modes is None
+    assert "began from the state of another" in again.error.modes_note
