@@ -15,6 +15,7 @@ from lcpflex.results.measured_error import Rerun
 from lcpflex.runs.setup import compiled_for
 
 if TYPE_CHECKING:
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.results.result import Result
     from lcpflex.runs.origin import Origin
 
@@ -30,6 +31,8 @@ class ModeError(NamedTuple):
     off: float | None  # twice the largest change of a place [m]
     note: str
     rerun: Rerun | None = None
+    times: FloatArray | None = None
+    curve: FloatArray | None = None  # of it over time [m]
 
 
 def mode_error(result: Result, origin: Origin, until: float, interval: float) -> ModeError | None:
@@ -61,4 +64,5 @@ def mode_error(result: Result, origin: Origin, until: float, interval: float) ->
     note = f"with twice as many modes it came to {found.told.until:.4g} s" if found.told.ended else ""
     if unknown:
         note += f"{'; ' if note else ''}of {', '.join(map(repr, unknown))} no more modes are known"
-    return ModeError(FACTOR * float((off.place + off.turn).max(initial=0.0)), note, found.told)
+    curve = FACTOR * (off.place + off.turn).max(axis=1, initial=0.0)
+    return ModeError(float(curve.max(initial=0.0)), note, found.told, at, curve)

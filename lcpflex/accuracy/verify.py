@@ -69,7 +69,11 @@ def _with_modes(error: MeasuredError, found: ModeError | None) -> MeasuredError:
     if found is None:
         return error
     runs = error.reruns if found.rerun is None else (*error.reruns, found.rerun)
-    return replace(error, modes=found.off, modes_note=found.note, reruns=runs)
+    until = np.inf
+    if found.times is not None and found.curve is not None:
+        horizon, whole = _horizon(found.times, found.curve[:, None], error.extent, float(found.times[-1]))
+        until = np.inf if whole else horizon
+    return replace(error, modes=found.off, modes_horizon=until, modes_note=found.note, reruns=runs)
 
 
 def measured(result: Result, reruns: Sequence[Finished], notes: tuple[str, ...] = ()) -> MeasuredError:

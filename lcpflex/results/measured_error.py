@@ -95,6 +95,8 @@ class MeasuredError:
     modes
         By how much twice as many modes move a body, twice [m], which is no part of the curves: those are of the steps.
         None where no body has modes, or this is not known.
+    modes_horizon
+        Time up to which that is below ``PARTED`` of the extent [s]; infinite where it is to the end, or not known.
     modes_note
         Why that was not run, or what came of it; empty where no body has modes.
     """
@@ -116,6 +118,7 @@ class MeasuredError:
     touches: tuple[tuple[str, tuple[int, ...]], ...]
     reruns: tuple[Rerun, ...]
     modes: float | None = None
+    modes_horizon: float = np.inf
     modes_note: str = ""
     notes: tuple[str, ...] = field(default=())
 
