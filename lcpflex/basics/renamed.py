@@ -16,7 +16,7 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import Any, TypeVar
 
-__all__ = ["MODULES", "OldModules", "renamed_keyword", "renamed_name", "renamed_property"]
+__all__ = ["GONE", "MODULES", "OldModules", "renamed_keyword", "renamed_name", "renamed_property"]
 
 GOES = "0.3"  # the version without the old names
 MODULES = {  # and what is in them
@@ -37,6 +37,11 @@ MODULES = {  # and what is in them
     "lcpflex.solvers.friction": "lcpflex.solvers.contact.problem",
     "lcpflex.solvers.gallery": "lcpflex.solvers.benchmark.gallery",
     "lcpflex.user_system": "lcpflex.scene.user_system",
+}
+
+GONE = {  # attributes of results, and where what they told is now
+    name: f"it was a sum of local errors, and far off; result.verify() measures the error, result.error.{now}"
+    for name, now in (("place_error", "place"), ("speed_error", "speed"))
 }
 
 F = TypeVar("F", bound=Callable[..., Any])

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics.alarm import Alarm
 from lcpflex.checks.grown import has_grown
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
@@ -75,7 +76,7 @@ def with_axial_loads(result: Result) -> Result:
     for (b, axis), worst in zip(linear, _worst(result, compiled, linear), strict=True):
         if abs(worst.force) > SHARE * axis.euler:
             (wrong if worst.buckles else warnings).append(_told(compiled.layout.bodies[b], axis, worst))
-    return replace(result, warnings=tuple(warnings), found_wrong=tuple(wrong))
+    return replace(result, warnings=tuple(map(str, warnings)), found_wrong=tuple(wrong))
 
 
 def _in_space(result: Result, compiled: CompiledScene) -> Result:
@@ -98,7 +99,7 @@ def _in_space(result: Result, compiled: CompiledScene) -> Result:
             (wrong if buckles else warnings).append(told)
     if not (warnings or wrong):
         return result
-    return replace(result, warnings=(*result.warnings, *warnings), found_wrong=(*result.found_wrong, *wrong))
+    return replace(result, warnings=(*result.warnings, *map(str, warnings)), found_wrong=(*result.found_wrong, *wrong))
 
 
 def axial_loads_at(compiled: CompiledScene, t: float, q: FloatArray, touching: Any) -> tuple[list[str], list[str]]:
@@ -138,7 +139,7 @@ def _beams(compiled: CompiledScene, actual: bool) -> list[tuple[int, Axis]]:
     return [(b, axis) for b, axis in axes if axis is not None and axis.actual == actual and modes[b]]
 
 
-def _told(name: str, axis: Axis, worst: Worst) -> str:
+def _told(name: str, axis: Axis, worst: Worst) -> Alarm:
     kind = "compression" if worst.force < 0.0 else "tension"
     share = 100.0 * abs(worst.force) / axis.euler
     feels, buckled = "its bending does not feel that", ""
@@ -146,25 +147,27 @@ def _told(name: str, axis: Axis, worst: Worst) -> str:
         buckled = f" and {100.0 * worst.share:.3g} % of the load at which it buckles, held as it is"
     if worst.buckles:
         feels = f"it has no such state, and {feels}"
-    return (
+    clause = (
         f"beam {name!r}: {kind} of {abs(worst.force):.4g} N at x = {worst.station:.4g} m, t = {worst.time:.6g} s, "
-        f"{share:.2g} % of its Euler load pi^2 E I / L^2 = {axis.euler:.4g} N{buckled}: {feels}; "
-        f'stiffening=Stiffening(axial_force="actual") of a beam with axial=True lets it'
+        f"{share:.2g} % of its Euler load pi^2 E I / L^2 = {axis.euler:.4g} N{buckled}: {feels}"
     )
+    advice = 'take stiffening=Stiffening(axial_force="actual") of a beam with axial=True'
+    return Alarm(clause, "axial load", f"beam {name!r}", worst.time, worst.force, advice)
 
 
-def _too_steep(result: Result, compiled: CompiledScene, b: int, axis: Axis) -> str:
-    """Why a beam that counts with its axial force is not to be trusted; empty if its slopes are small."""
+def _too_steep(result: Result, compiled: CompiledScene, b: int, axis: Axis) -> Alarm | None:
+    """Why a beam that counts with its axial force is not to be trusted; None if its slopes are small."""
     dof = compiled.model.bodies.dof
     steepest = np.abs(result.q[:, dof[b] + N_RIGID : dof[b + 1]] @ axis.slope.T).max(axis=1, initial=0.0)
     if not steepest.max(initial=0.0) > SLOPE:
-        return ""
+        return None
     first = float(result.times[int(np.argmax(steepest > SLOPE))])
-    return (
-        f"slopes of the beam {compiled.layout.bodies[b]!r} pass {SLOPE:g} at t = {first:.6g} s and reach "
-        f"{steepest.max():.3g}: its axial force is that of small slopes, which has no state beyond buckling (weld "
-        "several shorter beams instead)"
+    name, most = f"beam {compiled.layout.bodies[b]!r}", float(steepest.max())
+    clause = (
+        f"slopes of the {name} pass {SLOPE:g} at t = {first:.6g} s and reach {most:.3g}, while its axial force is that "
+        "of small slopes, which has no state beyond buckling"
     )
+    return Alarm(clause, "slope", name, first, most, "weld several shorter beams instead")
 
 
 def _worst(result: Result, compiled: CompiledScene, beams: list[tuple[int, Axis]]) -> list[Worst]:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
+from lcpflex.basics.alarm import Alarm
 from lcpflex.checks.grown import BOUND, gone_too_far, largest_gap
 from lcpflex.checks.measured_gaps import GapsOfFunctions, GapsOfScene
 from lcpflex.errors import LcpflexError
@@ -83,6 +84,11 @@ class Jump(NamedTuple):
             "continuous"
         )
 
+    def alarm(self, beyond: float) -> Alarm:
+        """Of a run that has passed it."""
+        advice = "close the outline, or make the function continuous"
+        return Alarm(self.words(beyond), "gap", self.name, self.time, self.after - self.before, advice)
+
 
 Way = list[tuple[float, "FloatArray"]]  # times and configurations
 
@@ -107,8 +113,8 @@ def jumped_gap(result: Result, run: Advanced, system: System, source: CompiledSc
 
 def sunk_by_jumps(
     result: Result, rows: list[tuple[int, bool]], system: System, source: CompiledScene | UserSystem
-) -> tuple[str, ...]:
-    """A doubt for each contact whose bodies have sunk into each other by more than they moved, or were put apart.
+) -> tuple[Alarm, ...]:
+    """An alarm for each contact whose bodies have sunk into each other by more than they moved, or were put apart.
 
     rows: where, as :func:`lcpflex.checks.grown.gone_too_far` tells.
     """
@@ -116,7 +122,7 @@ def sunk_by_jumps(
     if measured is None:
         return ()
     try:
-        return tuple(jump.words(measured.beyond()) for jump in _between(result, rows, measured))
+        return tuple(jump.alarm(measured.beyond()) for jump in _between(result, rows, measured))
     except (LcpflexError, ArithmeticError):
         return ()
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics.alarm import Alarm
 from lcpflex.checks.bent_steps import BentSteps
 from lcpflex.checks.run_scales import RunScales
 from lcpflex.compile.compiled_scene import CompiledScene
@@ -64,26 +65,27 @@ def with_unseen_loads(result: Result, step: float, source: CompiledScene | UserS
     return replace(result, warnings=(*result.warnings, *found), found_wrong=(*result.found_wrong, *missed))
 
 
-def _unseen(result: Result, compiled: CompiledScene, step: float) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _unseen(result: Result, compiled: CompiledScene, step: float) -> tuple[tuple[str, ...], tuple[Alarm, ...]]:
     """Warnings, and reasons not to trust a run of a scene."""
     scales = RunScales(result, compiled)
     profiles = _profiles(compiled, scales.duration)
     forces = _forces(compiled, step, scales, profiles)
     found = (
-        *(text for text, missed in forces if not missed),
+        *(str(text) for text, missed in forces if not missed),
         *_drives(compiled, step, scales, profiles),
         *_springs(result, compiled, step, scales),
     )
     return found, tuple(text for text, missed in forces if missed)
 
 
-def _unseen_of_user(result: Result, step: float, user: UserSystem) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _unseen_of_user(result: Result, step: float, user: UserSystem) -> tuple[tuple[str, ...], tuple[Alarm, ...]]:
     """The same of a user's own system, by its forces and its mass at the start, each coordinate for itself."""
     functions, q, u = user._functions, result.q[0], result.u[0]
     duration = float(result.times[-1])
     times, values = probed(lambda t: functions.force(t, q, u), duration, closely=False)
     mobility = np.diag(np.linalg.inv(functions.mass(q)))
-    found: tuple[list[str], list[str]] = [], []
+    found: list[str] = []
+    wrong: list[Alarm] = []
     for k, force in enumerate(values.T if len(times) else ()):
         bent = BentSteps(times, force, step, duration)
         if not len(bent.begin):
@@ -92,8 +94,12 @@ def _unseen_of_user(result: Result, step: float, user: UserSystem) -> tuple[tupl
         speed = float(np.abs(result.u[:, k]).max()) / float(mobility[k])
         words, missed = _missed(bent, step, speed, taken)
         if words:
-            found[missed].append(f"the force on coordinate {k} {words}")
-    return tuple(found[0]), tuple(found[1])
+            told = words.of(f"the force on coordinate {k}")
+            if missed:
+                wrong.append(told)
+            else:
+                found.append(str(told))
+    return tuple(found), tuple(wrong)
 
 
 def _rows(model: Any, q: FloatArray, p: int) -> FloatArray:
@@ -154,7 +160,7 @@ def _profiles(compiled: CompiledScene, duration: float) -> Profiles:
     return found
 
 
-def _forces(compiled: CompiledScene, step: float, scales: RunScales, profiles: Profiles) -> list[tuple[str, bool]]:
+def _forces(compiled: CompiledScene, step: float, scales: RunScales, profiles: Profiles) -> list[tuple[Alarm, bool]]:
     """Forces and torques that go on within a step, and whether that is a good part of all motion."""
     model, found = compiled.model, []
     largest = [_largest(model, k, profiles) for k in range(len(model.signals.kind))]
@@ -177,7 +183,7 @@ def _forces(compiled: CompiledScene, step: float, scales: RunScales, profiles: P
             taken = usual * (0.5 * scales.size if torque else 1.0)
             words, missed = _unseen_force(model, signal, profiles, step, scales, along, taken)
             if words:
-                found.append((f"the {'torque' if torque else 'force'} on {place_name(compiled, p)} {words}", missed))
+                found.append((words.of(f"the {'torque' if torque else 'force'} on {place_name(compiled, p)}"), missed))
     return found
 
 
@@ -219,12 +225,12 @@ def _largest(model: Model, signal: int, profiles: Profiles) -> float:
 
 def _unseen_force(
     model: Model, signal: int, profiles: Profiles, step: float, scales: RunScales, rows: FloatArray, taken: float
-) -> tuple[str, bool]:
-    """What a run does not see of a force, in words, and whether it is not to be trusted; empty if it does not matter.
+) -> tuple[Alarm | None, bool]:
+    """What a run does not see of a force, and whether it is not to be trusted; None if it does not matter.
 
     ``taken``: impulse of all loads in a step [N s]; what moves no faster than by that is at rest.
     """
-    nothing = "", False
+    nothing = None, False
     if model.signals.kind[signal] == HARMONIC:
         _, amplitude, omega, _ = model.signals.coefficients[model.signals.first[signal]].tolist()
         turn = abs(omega) * step
@@ -248,7 +254,7 @@ def _unseen_force(
     return _told(bent, step, late, MATTERS * scales.travel), False
 
 
-def _missed(bent: BentSteps, step: float, moved: float, taken: float) -> tuple[str, bool]:
+def _missed(bent: BentSteps, step: float, moved: float, taken: float) -> tuple[Alarm | None, bool]:
     """What steps leave out of the impulse of a Python function, which they take at a place or two; whether it is much.
 
     moved: impulse of the largest speed [N s]; where it is no more than ``taken``, things rest, and errors of single
@@ -260,28 +266,24 @@ def _missed(bent: BentSteps, step: float, moved: float, taken: float) -> tuple[s
     return _told(bent, step, max(of_all, of_one), MATTERS * moved), of_one > MISSED * moved
 
 
-def _told(bent: BentSteps, step: float, error: float, allowed: float) -> str:
-    """What happens within steps, in words, with the step that would do; empty where the error is allowed."""
+def _told(bent: BentSteps, step: float, error: float, allowed: float) -> Alarm | None:
+    """What happens within steps, with the step that would do; None where the error is allowed."""
     if error <= allowed or not error > 0.0:
-        return ""
+        return None
     at, width = bent.pulse()
     advised = step * max(NEGLIGIBLE, allowed / error)
     if width > 0.0:
         advised = min(advised, 0.5 * width)
     lasts = f"at t = {at:.6g} s it acts for {width:.2g} s" if width > 0.0 else f"as at t = {at:.6g} s"
-    return (
-        f"bends and jumps within steps of {step:.3g} s, which do not follow it ({lasts}): a step of {advised:.2g} s "
-        "would"
-    )
+    clause = f"bends and jumps within steps of {step:.3g} s, which do not follow it ({lasts})"
+    return Alarm(clause, "load", "", float(at), float(error), f"a step of {advised:.2g} s would")
 
 
-def _turns(omega: float, step: float) -> str:
+def _turns(omega: float, step: float) -> Alarm:
     """That a period has too few steps."""
     period = 2.0 * math.pi / abs(omega)
-    return (
-        f"has a period of {period:.3g} s, {period / step:.2g} steps of {step:.3g} s, which do not follow it: a step of "
-        f"{period / GOOD:.2g} s would"
-    )
+    clause = f"has a period of {period:.3g} s, {period / step:.2g} steps of {step:.3g} s, which do not follow it"
+    return Alarm(clause, "load", "", None, period / step, f"a step of {period / GOOD:.2g} s would")
 
 
 def _drives(compiled: CompiledScene, step: float, scales: RunScales, profiles: Profiles) -> list[str]:

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics.alarm import Alarm
 from lcpflex.bodies.spatial.beam_elements import BeamMesh, section_fields
 from lcpflex.checks.kept_depth import stiffness_of
 from lcpflex.compile.compiled_scene import CompiledScene
@@ -35,6 +36,7 @@ BUCKLED = (
     0.85  # of it: eight free modes make a cantilever 13 % stiffer than it is, and deflections are 6 times too small
 )
 LOOSE = 1e-4  # of the square of its lowest frequency: what is held less turns as a whole
+DO = "take a stiffer beam, or a smaller load: no beam of space feels its axial force"
 NEAR = 1e-6  # of the size of the scene: gaps of contacts that press
 
 
@@ -62,11 +64,13 @@ def spatial_axial_loads(
     buckles = share >= BUCKLED and held >= lasts * float(slowest_vibrations(compiled.model.bodies)[b])
     feels = "it has no such state, and its bending" if buckles else "its bending"
     station = x[int(N[when].argmin())]
-    return (
-        f"beam {compiled.layout.bodies[b]!r}: compression of {-least[when]:.4g} N at x = {station:.4g} m, "
+    name = f"beam {compiled.layout.bodies[b]!r}"
+    clause = (
+        f"{name}: compression of {-least[when]:.4g} N at x = {station:.4g} m, "
         f"t = {result.times[k]:.6g} s, {100.0 * share:.3g} % of the load at which it buckles, held as it is: "
         f"{feels} does not feel that"
-    ), buckles
+    )
+    return Alarm(clause, "axial load", name, float(result.times[k]), float(-least[when]), DO), buckles
 
 
 def _share(result: Result, compiled: CompiledScene, b: int, line: SpatialLineShapes, k: int, N: FloatArray) -> float:

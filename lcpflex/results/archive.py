@@ -28,6 +28,7 @@ from typing import IO, Any
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics.alarm import Alarm
 from lcpflex.basics.archives import load_arrays, save_arrays
 from lcpflex.basics.hdf5 import array_of, opened, put_array, whole_hdf5
 from lcpflex.basics.whole_file import whole_file
@@ -49,7 +50,7 @@ READ = ("lcpflex result 1", FORMAT)
 HDF5, FOR_OTHERS = (".h5", ".hdf5"), (".vtkhdf",)  # endings
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _HOMES = (  # of the value classes that a file may name
-    "lcpflex.results.result", "lcpflex.results.sensor", "lcpflex.results.measured_error",
+    "lcpflex.results.result", "lcpflex.results.sensor", "lcpflex.results.measured_error", "lcpflex.basics.alarm",
     "lcpflex.results.contact_history", "lcpflex.results.energy_balance",
     "lcpflex.compile.compiled_scene", "lcpflex.model.arrays", "lcpflex.model.recovery", "lcpflex.model.spatial",
     "lcpflex.bodies.spatial.shapes",
@@ -136,7 +137,7 @@ def _field_names(value: object) -> tuple[str, ...] | None:
 
 
 def _encode(value: Any, path: str, arrays: Arrays) -> Any:
-    if value is None or isinstance(value, bool | int | float | str):
+    if value is None or (isinstance(value, bool | int | float | str) and not isinstance(value, Alarm)):
         return value
     if isinstance(value, np.generic):
         return value.item()

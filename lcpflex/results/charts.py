@@ -12,7 +12,8 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.results.chart_words import stepper_words, told_apart
 from lcpflex.results.motion_units import scene_size
 from lcpflex.results.spatial.motion_panels import bodies_shown, plot_speeds, plot_spins
-from lcpflex.results.summary import lost_in_contacts, with_unit
+from lcpflex.results.summary import lost_in_contacts
+from lcpflex.results.words import with_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

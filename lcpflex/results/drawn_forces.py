@@ -9,7 +9,7 @@ import numpy as np
 from lcpflex.contact.narrow_phase.feature import SEGMENT
 from lcpflex.results.drawing import add_line
 from lcpflex.results.places import world_places
-from lcpflex.results.summary import with_unit
+from lcpflex.results.words import with_unit
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics.alarm import FINER, Alarm
 from lcpflex.dynamics.applied_forces import FOLLOWER, FORCE
 from lcpflex.dynamics.time_functions import HARMONIC, PIECES
 from lcpflex.errors import ModelError
@@ -123,7 +124,7 @@ class Energies:
         """By how much the stored energy was above that of the start and the work of loads and drives, at most [J]."""
         if not self.kinetic.size:
             return 0.0
-        own = self.stored - self.work
+        own = _since_start(self)
         return float(np.max(own) - own[0])
 
     @property
@@ -249,15 +250,16 @@ def energy_doubts(
     passive: bool = True,
     moved: bool = False,
     growth: float | None = None,
-) -> tuple[str, ...]:
-    """Clauses: energy that came from nowhere, so that the result is not to be trusted.
+    times: FloatArray | None = None,
+) -> tuple[Alarm, ...]:
+    """Energy that came from nowhere, so that the result is not to be trusted.
 
     More than REMAINDER of the largest of what was stored, of the work that was done, and of AT_REST times ``loads``,
     that of :func:`load_energy` [J]: where nothing moves the stored energy is no measure. Where something has ``moved``,
     what grew by HALF of the stored energy is in doubt, too, however much more loads could do. ``held``: as of
     :func:`energy_warnings`. What contact impulses created is no doubt where the user accepts it. ``passive``: dampers
     and bodies only take energy, which those of a user's own system need not. ``growth`` [J]: the part of that of the
-    energies that is certain; None: all.
+    energies that is certain; None: all. ``times`` (m,) [s] of the energies, to say when.
     """
     if not np.isfinite(energies.remainder).all():
         return ()
@@ -266,16 +268,23 @@ def energy_doubts(
     accepted = float(gain[0]) if energy_growth is EnergyGrowth.ACCEPT else 0.0
     found = []
     fed = max(0.0, -float(np.min(energies.damping, initial=0.0))) if passive else 0.0
-    for value, what in (
-        (energies.growth if growth is None else growth, f"{GREW} {{}} without work of loads"),
-        (energies.given_back, f"contact{GAVE} {{}}"),
-        (fed, f"damping{GAVE} {{}}"),
+    for value, what, of in (
+        (energies.growth if growth is None else growth, f"{GREW} {{}} without work of loads", _since_start(energies)),
+        (energies.given_back, f"contact{GAVE} {{}}", -energies.impact - energies.friction),
+        (fed, f"damping{GAVE} {{}}", -energies.damping),
     ):
         limit = min(REMAINDER * unit, HALF * energies.scale) if moved else REMAINDER * unit
         if value - accepted > max(limit, rounding):
             told = f"{value:.4g} J ({_part(value, unit)} of the largest energy stored or work done)"
-            found.append(what.format(told))
+            when = None if times is None else float(times[int(np.argmax(of))])
+            clause = what.format(told) + ("" if when is None else f" by t = {when:.6g} s")
+            found.append(Alarm(clause, "energy", "", when, value, FINER))
     return tuple(found)
+
+
+def _since_start(energies: Energies) -> FloatArray:
+    """Stored energy without the work of loads (m,) [J]."""
+    return energies.stored - energies.work
 
 
 def _part(value: float, scale: float) -> str:

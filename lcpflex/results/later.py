@@ -15,12 +15,14 @@ if TYPE_CHECKING:
     from lcpflex.results.modal_coordinates import modal_coordinates
     from lcpflex.results.momentum import momentum_of
     from lcpflex.results.orientation import body_angle, body_orientation, body_spin
-    from lcpflex.results.outside_values import with_values
+    from lcpflex.results.outside_values import without_functions
     from lcpflex.results.paraview import to_vtkhdf
     from lcpflex.results.plot import draw
     from lcpflex.results.section_forces import body_of_result, mean_step, section_forces
     from lcpflex.results.state_at import state_at
     from lcpflex.results.stress_history import stress_history
+    from lcpflex.results.summary import summary
     from lcpflex.results.tables import to_dataframe, to_xarray
+    from lcpflex.results.verdict import verdict_of
 
 __getattr__, __dir__ = attach(__name__)

@@ -16,6 +16,7 @@ from lcpflex.errors import ModelError
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.signal_values import signal_value
 from lcpflex.model.arrays import frozen
+from lcpflex.model.recovery import small_enough
 from lcpflex.results.acting_forces import ActingForces
 from lcpflex.results.section_forces import mean_step
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from lcpflex.results.result import Result
     from lcpflex.results.spatial.acting_forces import SpatialActingForces
 
-__all__ = ["with_values"]
+__all__ = ["with_values", "without_functions"]
 
 
 def with_values(result: Result) -> Result:
@@ -50,6 +51,18 @@ def with_values(result: Result) -> Result:
     model = compiled.model._replace(signals=told)
     kept = replace(compiled, model=model, n_external=values.shape[1], callbacks=(), functions=())
     return replace(result, compiled=kept, outside=values)
+
+
+def without_functions(result: Result) -> Result:
+    """What a file can hold of a result: values in the place of functions, no force laws, no large matrices."""
+    told = with_values(result)
+    kept = told.compiled
+    if kept is None:
+        return replace(told, origin=None)
+    lost = kept.laws_are_lost or any(law is not None for law in kept.laws)
+    bare = replace(kept, callbacks=(), materials=None, functions=(), laws=(None,) * len(kept.laws), sensors=())
+    bare = replace(bare, recovery=small_enough(kept.recovery), laws_are_lost=lost)
+    return replace(told, compiled=bare, origin=None)
 
 
 def _acting(compiled: CompiledScene, step: float) -> ActingForces | SpatialActingForces:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -12,14 +12,13 @@ import numpy as np
 from lcpflex.basics.arguments import absent
 from lcpflex.basics.attributes import NamesNearest
 from lcpflex.basics.lazy import attach
-from lcpflex.basics.renamed import renamed_property
+from lcpflex.basics.renamed import GONE, renamed_property
 from lcpflex.compile.coordinates import coordinate_names, velocity_names
 from lcpflex.compile.touched_pairs import pair_of
 from lcpflex.errors import ModelError
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import OPEN, SLIP, STICK
-from lcpflex.model.recovery import small_enough
 from lcpflex.results import later
 from lcpflex.results.contact_history import ContactHistory, ContactPoints, Event, StateArray, untouched
 from lcpflex.results.contact_windows import INSTANTS, ContactWindow
@@ -30,7 +29,6 @@ from lcpflex.results.material import body_index, material_of
 from lcpflex.results.places import trajectory, velocity
 from lcpflex.results.sensor import SensorHistory, named_sensor
 from lcpflex.results.stored_instants import impulse_noise, located, tells_of_steps
-from lcpflex.results.summary import summary
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -38,6 +36,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from scipy.spatial.transform import Rotation
 
+    from lcpflex.basics.alarm import Alarm as Alarm
     from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.results.joint_reaction import JointReaction as JointReaction
     from lcpflex.results.measured_error import MeasuredError as MeasuredError
@@ -47,28 +46,13 @@ if TYPE_CHECKING:
     from lcpflex.results.spatial.section_forces import SpatialSectionForces
     from lcpflex.results.state_at import StateAt as StateAt
     from lcpflex.results.stress_history import Stress as Stress, StressHistory as StressHistory
+    from lcpflex.results.verdict import Verdict as Verdict
 
 __all__ = [
-    "CREEP",
-    "OPEN",
-    "SLIP",
-    "STICK",
-    "ContactHistory",
-    "ContactPoints",
-    "ContactWindow",
-    "Event",
-    "Instant",
-    "JointReaction",
-    "MeasuredError",
-    "ModalCoordinates",
-    "Momentum",
-    "Result",
-    "SectionForces",
-    "SensorHistory",
-    "StateAt",
-    "Stress",
-    "StressHistory",
-]
+    "Alarm", "CREEP", "OPEN", "SLIP", "STICK", "ContactHistory", "ContactPoints", "ContactWindow", "Event",
+    "Instant", "JointReaction", "MeasuredError", "ModalCoordinates", "Momentum", "Result", "SectionForces",
+    "SensorHistory", "StateAt", "Stress", "StressHistory", "Verdict",
+]  # fmt: skip
 
 __getattr__, __dir__ = attach(__name__)  # classes of what the methods return
 
@@ -90,10 +74,7 @@ class Result(NamesNearest):
     speed of its law it is in the state CREEP, and ``crept`` says how far it went in it.
     """
 
-    _known_as: ClassVar[dict[str, str]] = {
-        name: f"it was a sum of local errors, and far off; result.verify() measures the error, result.error.{now}"
-        for name, now in (("place_error", "place"), ("speed_error", "speed"))
-    }
+    _known_as: ClassVar = GONE
 
     times: FloatArray  # (m,) [s]
     q: FloatArray  # (m, ndof) [m], [rad], [kg^1/2 m]
@@ -134,7 +115,7 @@ class Result(NamesNearest):
     joint_unique: IntArray | None = None  # (m, nj) 1 where the motion determines the reaction
     stored: str = INSTANTS  # "steps" where record=0 asked for all of them, "dense": with the middle of each
     outside: FloatArray | None = None  # (m, slots, 3) what functions of the user gave; of a file, see ``save``
-    found_wrong: tuple[str, ...] = ()  # what the run itself saw go wrong, a clause each: not to be trusted
+    found_wrong: tuple[str, ...] = ()  # alarms: what the run itself saw go wrong, so that it is not to be trusted
     sensors: tuple[SensorHistory, ...] = ()  # what the sensors of the scene have measured, see ``sensor``
     step_tolerance: float = 0.0  # [m] by which error control lets a step of time stepping misplace a body; 0: no such
     error: MeasuredError | None = None  # measured by reruns, see ``verify``; None: not measured
@@ -311,7 +292,12 @@ class Result(NamesNearest):
 
     def summary(self) -> str:
         """The simulation in words: what ran, what touched, where the energy went, how far to trust it."""
-        return summary(self)
+        return later.summary(self)
+
+    @property
+    def verdict(self) -> Verdict:
+        """How far to trust it: a word, a level, reasons and numbers for programs, and a sentence; see `Verdict`."""
+        return later.verdict_of(self)
 
     def plot(self) -> Figure:
         """Chart of contact forces, gaps and energies over time."""
@@ -351,14 +337,7 @@ class Result(NamesNearest):
         laws of the scene are left out: a loaded result can be drawn and measured, not continued. Functions of time are
         asked once more at the stored instants, for stresses. Raises ModelError with the path and the reason.
         """
-        told = later.with_values(self)
-        kept = told.compiled
-        if kept is not None:
-            recovery, laws = small_enough(kept.recovery), (None,) * len(kept.laws)
-            lost = kept.laws_are_lost or any(law is not None for law in kept.laws)
-            kept = replace(kept, callbacks=(), materials=None, functions=(), laws=laws, recovery=recovery, sensors=())
-            kept = replace(kept, laws_are_lost=lost)
-        return later.write(replace(told, compiled=kept, origin=None), path)
+        return later.write(later.without_functions(self), path)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:

@@ -9,82 +9,27 @@ import numpy as np
 
 from lcpflex.model.arrays import OPEN
 from lcpflex.results.contact_history import CLOSED
-from lcpflex.results.energy_balance import AT_REST, ROUNDING as ROUNDED, held_energy, load_energy
+from lcpflex.results.doubts import largest, loosest
+from lcpflex.results.heading import heading
 from lcpflex.results.modal_coordinates import modal_coordinates
-from lcpflex.results.motion_units import has_moved, scene_size
+from lcpflex.results.words import counted, percent, with_unit
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.results.contact_history import ContactHistory
     from lcpflex.results.result import Result
 
-__all__ = ["doubts", "lost_in_contacts", "summary", "with_unit"]
+__all__ = ["lost_in_contacts", "summary"]
 
-# From where on a number casts doubt on a result.
-UNEXPLAINED = 0.02  # energy that nobody can explain, relative to the largest stored energy
-UNSOLVED = 1e-6  # natural-map residual of a contact problem, relative to its data
-LOOSE = 1e-4  # the same relative to the velocity that contacts would have without their forces
-COARSE = 0.02  # stated error of the steps, relative to the size of the scene or the largest speed
 ROUNDING = 1e-12  # tangential impulse below this share of the normal one is none
-FINE = " Whether the step and the modes are fine enough, only a second run with finer ones shows."
 LISTED = 8  # contacts that are described one by one
 
 
 def summary(result: Result) -> str:
-    """Several short paragraphs; the last one says whether the result can be trusted."""
-    parts = [_run(result), _contacts(result), _energy(result), _accuracy(result), _warnings(result), _verdict(result)]
+    """Several short paragraphs; the last one is its verdict."""
+    parts = [_run(result), _contacts(result), _energy(result), _checks(result), _warnings(result)]
+    parts.append(str(result.verdict))
     return "\n\n".join(part for part in parts if part)
-
-
-def doubts(result: Result) -> tuple[str, ...]:
-    """Reasons not to trust the result, each a clause; empty if there is none."""
-    from lcpflex.results.unexplained import unexplained_energy  # which a run by itself does without
-
-    found = []
-    if not result.complete:
-        found.append(f"it stopped early ({result.message})")
-    if not (np.isfinite(result.q).all() and np.isfinite(result.u).all()):
-        found.append("the motion contains numbers that are not finite")
-    found.extend(result.found_wrong)
-    unexplained, share = unexplained_energy(result)
-    if not (share <= UNEXPLAINED or abs(unexplained) <= _unnoticed(result)):
-        way = "gained" if unexplained > 0.0 else "lost"
-        found.append(
-            f"{_share(share)} of the largest stored energy was {way} without explanation (take a smaller step)"
-        )
-    if not _largest(result.residual) <= UNSOLVED:
-        found.append(f"a contact problem was left with a residual of {_largest(result.residual):.1e}")
-    elif not _strict(result) <= LOOSE:
-        found.append(
-            f"a contact problem is solved only to {_strict(result):.1e} of the velocity that its contacts would have "
-            f"without their forces ({_largest(result.residual):.1e} of the terms that cancel: bodies may be wedged)"
-        )
-    size = scene_size(result)
-    if size is not None:
-        from lcpflex.results.sunk import worst_drift, worst_penetration  # which a run by itself does without
-
-        for name, worst in (
-            ("penetration", worst_penetration(result, size)),
-            ("joint drift", worst_drift(result, size)),
-        ):
-            if worst is not None:
-                found.append(
-                    f"the {name} of {with_unit(worst.value, 'm')} is large for a scene of {with_unit(size, 'm')} "
-                    f"({worst.where})"
-                )
-    return tuple(found)
-
-
-def _unnoticed(result: Result) -> float:
-    """Unexplained energy that is none where loads hold each other [J]: rounding, or where nothing moves, little.
-
-    The unit there is what loads would do over the size of a body: bodies that are pressed store next to nothing.
-    """
-    compiled = result.compiled
-    rounding = ROUNDED * held_energy(compiled, result.times, result.impulse)
-    if compiled is None or not len(result.q) or has_moved(compiled.model, result.q, result.u, compiled.size):
-        return rounding
-    return max(rounding, UNEXPLAINED * AT_REST * load_energy(compiled))
 
 
 def lost_in_contacts(result: Result) -> str:
@@ -98,14 +43,14 @@ def _run(result: Result) -> str:
     reached = float(result.times[-1]) if result.times.size else 0.0
     cost = f", {with_unit(result.wall_time / result.steps, 's')} a step" if result.steps else ""
     lines = [
-        f"{result.stepper}",
+        heading(result),
         f"simulated {with_unit(reached, 's')} in {result.steps:,} steps "
         f"and {with_unit(result.wall_time, 's')} of computing{cost}; "
         f"compiling or loading the kernels took {with_unit(result.compile_time, 's')}",
     ]
     if result.python_calls:
         lines.append(
-            f"Python functions of time: {_counted(result.python_calls, 'call')} took "
+            f"Python functions of time: {counted(result.python_calls, 'call')} took "
             f"{with_unit(result.python_time, 's')} of the computing; the rest is slow, too, as the loop runs in Python "
             "for them: it stays compiled with functions under numba.njit"
         )
@@ -115,7 +60,7 @@ def _run(result: Result) -> str:
     largest = int(result.size.max(initial=0))
     lines.append(
         f"{_coordinates(result)}; {_declared(result)}; "
-        f"largest contact problem {_counted(largest, 'unknown')}; {_counted(len(result.times), 'stored instant')}"
+        f"largest contact problem {counted(largest, 'unknown')}; {counted(len(result.times), 'stored instant')}"
     )
     lines.extend(_reduced(result))
     if result.sensors:
@@ -138,8 +83,8 @@ def _declared(result: Result) -> str:
     count = len(result.contact_names)
     surfaces = 0 if result.compiled is None else len(result.compiled.layout.rule_surfaces)
     if not surfaces:
-        return _counted(count, "declared contact")
-    return f"{_counted(count, 'contact')}, those by the rule for {surfaces:,} surfaces as far as they touched"
+        return counted(count, "declared contact")
+    return f"{counted(count, 'contact')}, those by the rule for {surfaces:,} surfaces as far as they touched"
 
 
 def _reduced(result: Result) -> list[str]:
@@ -182,10 +127,10 @@ def _contact(history: ContactHistory) -> str:
     how = "closed at no stored instant"
     if closed > 0.0:
         creep = history.creeping
-        kinds = [f"{_share(stick / closed)} sticking", f"{_share((slip - creep) / closed)} slipping"]
+        kinds = [f"{percent(stick / closed)} sticking", f"{percent((slip - creep) / closed)} slipping"]
         if creep > 0.0:
-            kinds.append(f"{_share(creep / closed)} creeping, by {with_unit(history.crept, 'm')} in all")
-        how = f"closed {_share(closed)} of the time ({', '.join(kinds)})"
+            kinds.append(f"{percent(creep / closed)} creeping, by {with_unit(history.crept, 'm')} in all")
+        how = f"closed {percent(closed)} of the time ({', '.join(kinds)})"
     normal = history.impulse[-1, 0]
     assert history.first_touch is not None
     seen = "first touch" if history.first_touch == history.first_event else "first seen touching"
@@ -227,17 +172,17 @@ def _energy(result: Result) -> str:
     return "\n".join(["Energy [J]", *lines])
 
 
-def _accuracy(result: Result) -> str:
-    indentation = _largest(result.penetration if result.all_compliant else _indentation(result))
+def _checks(result: Result) -> str:
+    indentation = largest(result.penetration if result.all_compliant else _indentation(result))
     when = "" if result.all_compliant else "at the stored instants "
     by_law = f"largest indentation {when}{with_unit(indentation, 'm')}; " if result.compliant else ""
-    others = "" if result.all_compliant else f"largest penetration {with_unit(_largest(result.penetration), 'm')}; "
+    others = "" if result.all_compliant else f"largest penetration {with_unit(largest(result.penetration), 'm')}; "
     return (
-        "Accuracy\n"
+        "Checks\n"
         f"  {by_law}{others}"
-        f"largest joint drift {with_unit(_largest(result.joint_drift), 'm')}; "
-        f"largest residual of a contact problem {_largest(result.residual):.1e} of its terms, "
-        f"{_strict(result):.1e} of the free velocity"
+        f"largest joint drift {with_unit(largest(result.joint_drift), 'm')}; "
+        f"largest residual of a contact problem {largest(result.residual):.1e} of its terms, "
+        f"{loosest(result):.1e} of the free velocity"
     )
 
 
@@ -249,43 +194,3 @@ def _indentation(result: Result) -> FloatArray:
 
 def _warnings(result: Result) -> str:
     return "\n".join(["Warnings", *(f"  {text}" for text in result.warnings)]) if result.warnings else ""
-
-
-def _verdict(result: Result) -> str:
-    reasons = doubts(result)
-    if reasons:
-        return "NOT to be trusted as it stands: " + "; ".join(reasons) + "."
-    if result.warnings:
-        return "Can be trusted as far as its own checks see, but read the warnings above."
-    return (
-        "Can be trusted as far as its own checks see: energy balanced, contact problems solved, gaps and joints kept."
-    ) + FINE
-
-
-def _strict(result: Result) -> float:
-    """Largest residual relative to the free velocity; 0 where it is not known."""
-    return 0.0 if result.strict is None else float(np.nanmax(result.strict, initial=0.0))
-
-
-def _largest(values: FloatArray) -> float:
-    """Largest value; NaN if any is."""
-    return float(np.max(values, initial=0.0))
-
-
-def _share(value: float) -> str:
-    return f"{100.0 * value:.3g} %"
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count:,} {noun}{'' if count == 1 else 's'}"
-
-
-def with_unit(value: float, unit: str) -> str:
-    """A number with four digits and a prefix: 0.00123 s becomes 1.23 ms."""
-    size = abs(value)
-    if size == 0.0 or not np.isfinite(size):
-        return f"{value:g} {unit}"
-    for factor, prefix in ((1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")):
-        if size >= 0.9995 * factor:
-            return f"{value / factor:.4g} {prefix}{unit}" if not (unit == "s" and factor > 1.0) else f"{value:,.0f} s"
-    return f"{value:.1e} {unit}"

@@ -8,37 +8,33 @@ control an impact takes the shortest step, but a contact that goes on may drift 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics.alarm import FINER, Alarm
 from lcpflex.contact.thickness import law_thickness
 from lcpflex.jit.struct import pack
 from lcpflex.results.motion_units import Units
 from lcpflex.results.stored_instants import CONTINUED
+from lcpflex.results.words import with_unit
 from lcpflex.steppers.scales import SUNK
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.results.result import Result
 
-__all__ = ["Worst", "worst_drift", "worst_penetration"]
+__all__ = ["worst_drift", "worst_penetration"]
 
 STEPPED = 0.05  # of the size: a penetration that no step is allowed to leave, whatever it states of its error
 CLIPPED = 0.1  # of the thinnest body, and of that
 ACCEPTED = 5e-3  # of the size: the most that what error control accepts of its steps may add up to
 NOISE = 1e-6  # of the size: what is deeper by no more is as deep as before
+TIGHTER = "take tighter tolerances"
 SEEN = 0.5  # of a penetration or drift: what has so much of it at a stored instant is what had all of it
 
 
-class Worst(NamedTuple):
-    """The largest penetration or drift that nothing explains [m], and where and when it was, in words."""
-
-    value: float
-    where: str
-
-
-def worst_penetration(result: Result, size: float) -> Worst | None:
+def worst_penetration(result: Result, size: float) -> Alarm | None:
     """The deepest penetration that is large for bodies of ``size`` [m] and no step's approach; None without any."""
     depth, allowed = result.penetration, SUNK * size
     if result.all_compliant or not len(depth) or depth.max() <= allowed:
@@ -61,10 +57,16 @@ def worst_penetration(result: Result, size: float) -> Worst | None:
     if worst < 0:
         return None
     law = _deepest(result, worst)
-    where = f"contact {result.contact_names[law]!r} at " if law >= 0 else ""
-    shorter = f"a step of {step * SUNK * size / depth[worst]:.2g} s leaves a thousandth"
-    less = f": {'take a tighter tolerance' if result.step_tolerance > 0.0 or not step > 0.0 else shorter}"
-    return Worst(float(depth[worst]), f"{where}t = {result.times[worst]:.6g} s{less}")
+    where = f"contact {result.contact_names[law]!r}" if law >= 0 else ""
+    fixed = step > 0.0 and not result.step_tolerance > 0.0
+    shorter = f"take steps of {step * SUNK * size / depth[worst]:.2g} s, which leave a thousandth" if fixed else TIGHTER
+    clause = f"{where or 'a contact'} penetrates by {_told(depth[worst], size, result.times[worst])}"
+    return Alarm(clause, "penetration", where, float(result.times[worst]), float(depth[worst]), shorter)
+
+
+def _told(value: float, size: float, time: float) -> str:
+    """How much, and when."""
+    return f"{with_unit(float(value), 'm')} at t = {time:.6g} s, which is large for a scene of {with_unit(size, 'm')}"
 
 
 def _speeds(result: Result) -> FloatArray:
@@ -93,14 +95,23 @@ def _deepest(result: Result, k: int) -> int:
     return int(taken.argmax()) if taken.max(initial=0.0) > 0.0 else -1
 
 
-def worst_drift(result: Result, size: float) -> Worst | None:
+def worst_drift(result: Result, size: float) -> Alarm | None:
     """The largest drift of joints that is large for bodies of ``size`` [m]; None without any."""
     drift = result.joint_drift
     if not len(drift) or drift.max() <= SUNK * size:
         return None
     k = int(drift.argmax())
-    where = f"joint {name!r} at " if (name := _off(result, k)) else ""
-    return Worst(float(drift[k]), f"{where}t = {result.times[k]:.6g} s")
+    name = _off(result, k)
+    where = f"joint {name!r}" if name else ""
+    clause = f"{where or 'a joint'} has drifted by {_told(drift[k], size, result.times[k])}"
+    return Alarm(
+        clause,
+        "joint drift",
+        where,
+        float(result.times[k]),
+        float(drift[k]),
+        FINER,
+    )
 
 
 def _off(result: Result, k: int) -> str:

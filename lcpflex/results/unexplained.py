@@ -20,8 +20,10 @@ if TYPE_CHECKING:
 __all__ = ["certain_growth", "unexplained_energy"]
 
 
-def unexplained_energy(result: Result) -> tuple[float, float]:
-    """The largest unexplained energy [J], negative: lost, and its size over the largest stored one; NaN if any is.
+def unexplained_energy(result: Result) -> tuple[float, float, float]:
+    """The largest unexplained energy [J], negative: lost, its size over the largest stored one, and when it was so [s].
+
+    The first two are NaN if any is.
 
     Steps of one length and a force law keep another energy than the one that is stored: where a touch takes few of
     them, the difference comes with it and goes with it. What counts is what there is outside such a touch, of which
@@ -29,13 +31,14 @@ def unexplained_energy(result: Result) -> tuple[float, float]:
     """
     energies = result.energies
     coarse = np.isin(result.contact_names, result.coarse)
-    remainder = energies.remainder[~_in_coarse_touches(result.times, result.force, coarse, result.steps)]
-    if not remainder.size:
-        return 0.0, 0.0
-    largest = float(remainder[np.argmax(np.abs(remainder))])  # the first NaN, if there is one
+    rows = np.flatnonzero(~_in_coarse_touches(result.times, result.force, coarse, result.steps))
+    if not rows.size:
+        return 0.0, 0.0, 0.0
+    row = rows[np.argmax(np.abs(energies.remainder[rows]))]  # the first NaN, if there is one
+    largest, when = float(energies.remainder[row]), float(result.times[row])
     if largest == 0.0:
-        return 0.0, 0.0
-    return largest, abs(largest) / energies.scale if energies.scale > 0.0 else float("inf")
+        return 0.0, 0.0, when
+    return largest, abs(largest) / energies.scale if energies.scale > 0.0 else float("inf"), when
 
 
 def certain_growth(energies: Energies, times: FloatArray, force: FloatArray, coarse: Flags, steps: int) -> float:

@@ -105,6 +105,7 @@ def collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, c
                 compiled is not None,
                 moved,
                 grown,
+                data["times"],
             ),
         ),
         notes=(

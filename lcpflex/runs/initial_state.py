@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics.alarm import Alarm
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.dynamics.start import violation
 from lcpflex.errors import ModelError, shown
@@ -68,15 +69,18 @@ def started_from(
     return replace(source, q=q, u=u), tuple(notes)
 
 
-def began_wrong(initial: Result | Rest | None) -> tuple[str, ...]:
-    """Clauses: why the result that a run begins from is not to be trusted, and so this run is not, either."""
+def began_wrong(initial: Result | Rest | None) -> tuple[Alarm, ...]:
+    """Why the result that a run begins from is not to be trusted, and so this run is not, either."""
     if not isinstance(initial, Result):
         return ()
-    from lcpflex.results.summary import doubts  # which runs from a scene do without
+    from lcpflex.results.doubts import doubts  # which runs from a scene do without
 
     # how far it came is no matter of its last state
     found = doubts(replace(initial, complete=True))
-    return (f"the result that it began from is not to be trusted ({'; '.join(found)})",) if found else ()
+    if not found:
+        return ()
+    clause = f"the result that it began from is not to be trusted ({'; '.join(found)})"
+    return (Alarm(clause, "beginning", "", 0.0, None, "have that run trusted first"),)
 
 
 def _refuse_off_joints(source: CompiledScene, q: FloatArray) -> None:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lcpflex.basics.alarm import Alarm
 from lcpflex.force_laws.history import ENOUGH, FEWEST, OF_ALL, OF_COARSE, TIMES_STEPS
 from lcpflex.jit.kernel import FloatArray
 
@@ -40,11 +41,18 @@ class Touches(NamedTuple):
             for law, enough in self.enough().items()
         ]
 
-    def doubts(self, names: Sequence[str]) -> list[str]:
-        """Clauses, of those that take so few that little is left of the law."""
+    def alarms(self, names: Sequence[str]) -> list[Alarm]:
+        """Of those that take so few that little is left of the law."""
         return [
-            f"the touches of contact {names[law]!r} take as few as {self._steps(law)}, in which a force law cannot act "
-            f"(take steps of at most {rounded_down(enough):.2g} s)"
+            Alarm(
+                f"the touches of contact {names[law]!r} take as few as {self._steps(law)}, in which a force law cannot "
+                "act",
+                "steps in a touch",
+                f"contact {names[law]!r}",
+                None,
+                float(self.counted[law, FEWEST]),
+                f"take steps of at most {rounded_down(enough):.2g} s",
+            )
             for law, enough in self.enough().items()
             if self.counted[law, TIMES_STEPS] < FEW * self.counted[law, OF_COARSE]
             and self.counted[law, OF_COARSE] > SHARE * self.counted[law, OF_ALL]

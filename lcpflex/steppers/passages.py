@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lcpflex.basics.alarm import Alarm
 from lcpflex.basics.lengths import lengths
 from lcpflex.contact.detection import ContactTable, detect
 from lcpflex.contact.narrow_phase.feature import depth_of_feature, foot_margin, is_wall, refresh
@@ -196,24 +197,35 @@ class Passages:
         np.maximum.at(swings, body, swing)
         return swings
 
-    def clauses(self, enough: Mapping[int, float]) -> list[str]:
-        """What went wrong, one clause a contact; ``enough``: the step [s] that the force law of a contact asks for."""
-        return [
-            f"the bodies of contact {self._system.name_of(law)!r} passed through each other, or met by luck, "
-            f"at t = {p.first:.6g} s"
-            + (f" and in {p.times - 1} more steps" if p.times > 1 else "")
-            + f": they moved by up to {p.moved:.4g} m in a step, and are thinner than that "
-            f"({self._thickness[law]:.4g} m); take steps of at most {min(p.step, enough.get(law, math.inf)):.2g} s"
-            for law, p in sorted(self._found.items())
-        ]
+    def alarms(self, enough: Mapping[int, float]) -> list[Alarm]:
+        """What went wrong, of each contact; ``enough``: the step [s] that the force law of a contact asks for."""
+        found = []
+        for law, p in sorted(self._found.items()):
+            contact = f"contact {self._system.name_of(law)!r}"
+            clause = (
+                f"the bodies of {contact} passed through each other, or met by luck, at t = {p.first:.6g} s"
+                + (f" and in {p.times - 1} more steps" if p.times > 1 else "")
+                + f", as they moved by up to {p.moved:.4g} m in a step and are thinner than that "
+                f"({self._thickness[law]:.4g} m)"
+            )
+            advice = f"take steps of at most {min(p.step, enough.get(law, math.inf)):.2g} s"
+            found.append(Alarm(clause, "passage", contact, float(p.first), float(p.moved), advice))
+        return found
 
 
-def swallowed(model: Model, names: tuple[str, ...], indentation: FloatArray) -> list[str]:
-    """That an indentation of a compliant contact has come near what the bodies have, one clause a contact."""
+def swallowed(model: Model, names: tuple[str, ...], indentation: FloatArray) -> list[Alarm]:
+    """That an indentation of a compliant contact has come near what the bodies have, one a contact."""
     thickness = law_thickness(model.contacts)
     return [
-        f"the indentation of contact {name!r} reached {depth:.4g} m, and its bodies end at {most:.4g} m: deeper than "
-        "that one comes out of the other on the far side (take a stiffer law, or a shorter step)"
+        Alarm(
+            f"the indentation of contact {name!r} reached {depth:.4g} m, and its bodies end at {most:.4g} m, beyond "
+            "which one comes out of the other on the far side",
+            "indentation",
+            f"contact {name!r}",
+            None,
+            float(depth),
+            "take a stiffer law, or a shorter step",
+        )
         for name, depth, most in zip(names, indentation, thickness, strict=False)
         if depth > SWALLOWED * most
     ]

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics.alarm import Alarm
 from lcpflex.contact.rule_pairs import MORE_LAWS
 from lcpflex.force_laws.layout import UserLaw
 from lcpflex.jit.kernel import FloatArray
@@ -44,7 +45,6 @@ class Records:
         self.missed_friction: FloatArray | None = None  # of compliant contacts; see law_run.friction_warnings
         self.control = (0.0, 0.0)  # absolute [m] and relative tolerance of places, of time stepping under error control
         self.impact_step = 0.0  # length of steps that place an impact at their end [s]
-        self.found_wrong: list[str] = []  # clauses: what went wrong, so that the result is not to be trusted
         self.indentation: FloatArray | None = None  # (laws,) the largest so far, where contacts are compliant [m]
         self.touches = NO_TOUCHES  # of compliant contacts, in steps of one length
         self.functions: list[tuple[str, UserLaw]] = []  # of the user's; see lcpflex.steppers.user_functions
@@ -149,12 +149,12 @@ class Records:
             self.grow(needed)
         return 0
 
-    def wrong(self) -> list[str]:
-        """Clauses: all that went wrong, so that the result is not to be trusted."""
+    def wrong(self) -> list[Alarm]:
+        """All that went wrong, so that the result is not to be trusted."""
         system = self._system
         deep = [] if self.indentation is None else swallowed(system.model, system.names, self.indentation)
-        passed = self._passages.clauses(self.touches.enough())
-        return [*self.found_wrong, *passed, *deep, *self.touches.doubts(system.names)]
+        passed = self._passages.alarms(self.touches.enough())
+        return [*passed, *deep, *self.touches.alarms(system.names)]
 
     def merge(self) -> None:
         """Make one page of all, which a file holds in few pieces."""

@@ -13,7 +13,7 @@ import numpy as np
 from lcpflex.errors import ModelError, SolverError, StepError
 from lcpflex.results.energy_balance import is_of_energy
 from lcpflex.results.motion_units import scene_size
-from lcpflex.results.summary import COARSE, with_unit
+from lcpflex.results.words import with_unit
 from lcpflex.runs.limits import TOO_LATE
 from lcpflex.studies.criteria import Criteria
 from lcpflex.studies.trial import SEVERAL, is_paradox, scene_warnings
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Outcome", "Verdict", "judge_error", "judge_result", "warned"]
 
+COARSE = 0.02  # error that reruns have measured, of the extent or of the largest speed
 STILL = 1e-3  # energy provided to a scene at rest, which could gain any multiple of nothing: a share of the potential
 
 

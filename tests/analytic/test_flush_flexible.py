@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.results.summary import doubts
+from lcpflex.results.doubts import doubts
 from tests.flush.flexible import bars, blocks
 from tests.flush.places import PI, Place
 

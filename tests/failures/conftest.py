@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import lcpflex as lf
-from lcpflex.results.summary import doubts
+from lcpflex.results.doubts import doubts
 
 Loud = Callable[..., str]
 

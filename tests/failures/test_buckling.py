@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
 from lcpflex.bodies.reduction.stiffening import Stiffening
-from lcpflex.results.summary import doubts
+from lcpflex.results.doubts import doubts
 
 STEPPERS = [
     pytest.param(lf.MoreauJean(step=1e-3), id="moreau"),

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
+from lcpflex.results.doubts import doubts
 from lcpflex.results.energy_balance import Energies, EnergyGrowth, energy_doubts
-from lcpflex.results.summary import doubts
 
 STEPPERS = [
     pytest.param(lf.EventDriven(), id="events"),

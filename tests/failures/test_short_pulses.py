@@ -11,7 +11,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.dynamics.time_probe import probed
-from lcpflex.results.summary import doubts
+from lcpflex.results.doubts import doubts
 
 CONTROL = lf.AdaptiveStep(rtol=1e-4, atol=1e-6)
 ADAPTIVE = (

@@ -23,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 import lcpflex as lf
-from lcpflex.results.summary import doubts
+from lcpflex.results.doubts import doubts
 from lcpflex.runs.limits import TOO_LATE
 from tests.property.built_scenes import stepper_of
 from tests.property.random_scenes import Drawn

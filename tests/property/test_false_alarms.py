@@ -9,7 +9,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.results.summary import doubts
+from lcpflex.results.doubts import doubts
 
 Variation = tuple[str, Callable[..., Any], dict[str, float]]
 

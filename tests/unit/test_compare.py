@@ -203,7 +203,7 @@ def test_a_user_system_is_compared_by_its_contacts() -> None:
 @pytest.mark.parametrize(
     ("words", "status", "named"),
     [
-        ({"verdict": "NOT to be trusted as it stands: the motion is bad."}, "verdict changed", "NOT to be trusted"),
+        ({"verdict": "NOT to be trusted: the motion is bad."}, "verdict changed", "NOT to be trusted"),
         ({"warnings": ["a body gives way by 3 %"]}, "says otherwise", "a body gives way"),
         ({"notes": ["a step was divided"]}, "says otherwise", "a step was divided"),
     ],
@@ -215,11 +215,11 @@ def test_other_words_are_seen(run: Record, words: Mapping[str, Any], status: str
 
 def test_reasons_of_a_verdict_count_and_their_numbers_do_not(run: Record) -> None:
     def doubt(text: str) -> Record:
-        return _saying(run, verdict=f"NOT to be trusted as it stands: {text}.")
+        return _saying(run, verdict=f"NOT to be trusted: {text}.")
 
-    one = doubt("the penetration of 1.2 mm is large for a scene of 1 m")
-    assert compared(one, doubt("the penetration of 900 µm is large for a scene of 1 m")).status == "says otherwise"
-    assert compared(one, doubt("the joint drift of 1.2 mm is large for a scene of 1 m")).status == "verdict changed"
+    one = doubt("a contact penetrates by 1.2 mm at t = 1 s")
+    assert compared(one, doubt("a contact penetrates by 900 µm at t = 1 s")).status == "says otherwise"
+    assert compared(one, doubt("a joint has drifted by 1.2 mm at t = 1 s")).status == "verdict changed"
 
 
 def test_another_end_is_seen(run: Record) -> None:

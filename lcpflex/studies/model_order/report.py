@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from lcpflex.accuracy.refinement import brief
 from lcpflex.basics.renamed import renamed_property
 from lcpflex.basics.whole_file import write_rows
-from lcpflex.results.summary import with_unit
+from lcpflex.results.words import with_unit
 from lcpflex.studies.model_order.chart import chart
 from lcpflex.studies.tables import aligned_table, failed
 

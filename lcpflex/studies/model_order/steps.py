@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from lcpflex.accuracy.refinement import fineness
-from lcpflex.results.summary import with_unit
+from lcpflex.results.words import with_unit
 from lcpflex.studies.model_order.scenes import State, told
 from lcpflex.studies.model_order.search import Search
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.results.summary import doubts
+from lcpflex.results.doubts import doubts
 
 
 def sprung(step: float) -> lf.Scene:

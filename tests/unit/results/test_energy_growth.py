@@ -9,8 +9,8 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
+from lcpflex.results.doubts import doubts
 from lcpflex.results.energy_balance import Energies, energy_doubts, energy_warnings
-from lcpflex.results.summary import doubts
 
 STEPPERS = (lf.EventDriven(), lf.MoreauJean(step=1e-5))
 

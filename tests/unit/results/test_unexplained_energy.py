@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.results.summary import doubts
+from lcpflex.results.doubts import doubts
 from lcpflex.results.unexplained import unexplained_energy
 
 TIME = 2e-3  # of a touch [s]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.results.summary import doubts
+from lcpflex.results.doubts import doubts
 from tests.scenes import disc_on_floor, floor_of
 
 WEIGHT = 9.81

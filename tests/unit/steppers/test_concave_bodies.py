@@ -86,7 +86,7 @@ def check(result: lf.Result, units: tuple[float, float] = SI) -> None:
     assert np.abs(moments).sum() > 0.2 * TORQUE
     # the teeth pull at the pawl, by more than 3 % of its Euler load
     assert all(text.startswith("beam 'pawl': tension of ") for text in of_the_run(result))
-    assert result.summary().splitlines()[-1].startswith("Can be trusted")
+    assert result.summary().splitlines()[-1].startswith("Unverified: its checks pass")
 
 
 STEPPERS = {
@@ -158,4 +158,4 @@ def test_a_meshed_u_that_tumbles_over_rough_ground_sinks_no_deeper_than_its_step
     fastest = np.hypot(*result.u[:, :2].T).max() + 0.2 * np.abs(result.u[:, 2]).max()
     assert result.penetration.max() < fastest * step
     assert np.nanmin(result.contact("ground").gap) > -fastest * step
-    assert not result.summary().splitlines()[-1].startswith("NOT")
+    assert result.verdict.level > 0
