@@ -153,7 +153,7 @@ def differences(result: Result, other: Result, bodies: Bodies, window: float) ->
     times = result.times[rows]
     q, u, held = values_at(other, times, bodies)
     place, turn = _apart(result.q[rows], q, bodies)
-    fast = _speeds(u - result.u[rows], bodies)
+    fast = _speeds_apart(result.u[rows], u, other, times, held, bodies)
     near = [freed(one, bodies, times, window) for one in (result, other)]
     off = ~(near[0] | near[1])
     speed = np.where(off, fast, np.nan)
@@ -177,6 +177,25 @@ def _change(model: Any, q: FloatArray, other: FloatArray) -> FloatArray:
     for row, a, b in zip(change, np.ascontiguousarray(q), np.ascontiguousarray(other), strict=True):
         difference(model, a, b, row)
     return change
+
+
+def _speeds_apart(
+    mine: FloatArray, theirs: FloatArray, other: Result, times: FloatArray, held: NDArray[np.int64], bodies: Bodies
+) -> FloatArray:
+    """(nt, nb) differences of velocities; where the other has an impact between two instants, from the nearer one.
+
+    It may be anywhere between them, or at the same time but for rounding: no motion has a velocity within a jump.
+    """
+    found = _speeds(theirs - mine, bodies)
+    slack = SAME * float(max(other.times[-1], times[-1]))
+    first = np.minimum(np.searchsorted(other.times, times - slack), held)
+    inside = times > other.times[held] + slack
+    last = np.where(inside, np.minimum(held + 1, len(other.times) - 1), held)
+    jumps = freed(other, bodies, times, slack) & (last > first)[:, None]
+    rows = np.flatnonzero(jumps.any(axis=1))
+    ends = [_speeds(other.u[at[rows]] - mine[rows], bodies) for at in (first, last)]
+    found[rows] = np.where(jumps[rows], np.minimum(*ends), found[rows])
+    return found
 
 
 def _speeds(change: FloatArray, bodies: Bodies) -> FloatArray:

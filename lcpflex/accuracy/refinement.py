@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import MISSING, fields, is_dataclass, replace
 from typing import Any
 
-__all__ = ["brief", "fineness", "refined"]
+__all__ = ["brief", "fineness", "refined", "settled"]
 
 
 def fineness(stepper: Any) -> tuple[str, float] | None:
@@ -19,6 +19,13 @@ def fineness(stepper: Any) -> tuple[str, float] | None:
             if isinstance(value, (int, float)) and value > 0.0:
                 return name, float(value)
     return None
+
+
+def settled(stepper: Any, step: float) -> Any:
+    """The stepper with the step [s] that it took where it was given none."""
+    if is_dataclass(stepper) and not isinstance(stepper, type) and getattr(stepper, "step", step) is None:
+        return replace(stepper, step=step)
+    return stepper
 
 
 def refined(stepper: Any, factor: float) -> Any:

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from lcpflex.accuracy.refinement import brief, fineness, refined
+from lcpflex.accuracy.refinement import brief, fineness, refined, settled
 from lcpflex.basics.progress import look
 from lcpflex.errors import LcpflexError, ModelError, StepError
 from lcpflex.results.measured_error import Rerun
@@ -24,8 +24,10 @@ if TYPE_CHECKING:
 __all__ = ["Finished", "checking_runs", "rerun", "stored_interval"]
 
 QUARTER, HUNDREDTH = 4.0, 100.0
-FINEST = 1e-11  # rtol of an event-driven run, below which one of a looser tolerance checks it: rounding is as large
+FINEST = 1e-11  # rtol of these, below which one of a looser tolerance checks it: rounding is as large
 ENOUGH = 4000  # steps that an event-driven run may take in any case: less than what loading its kernels takes
+HIGH_ORDER = ("EventDriven", "Smooth")  # a tolerance a hundred times tighter costs them two runs
+BETWEEN = 4.0  # stored instants of a rerun between those of the run, where the two have not the same: near impacts
 CALLS = 8.0  # evaluations of a step of order 5 with an event now and then, over those of a time step
 
 
@@ -72,14 +74,15 @@ def checking_runs(result: Result, origin: Origin, other: bool = True) -> Iterato
 
     other: whether another method may be one of them.
     """
-    stepper, kind = origin.stepper, fineness(origin.stepper)
+    until = float(result.times[-1])
+    stepper = settled(origin.stepper, until / max(1, result.steps))
+    origin, kind = replace(origin, stepper=stepper), fineness(stepper)
     if kind is None:
         raise ModelError(f"verify: {brief(stepper)} has neither a step nor a tolerance to be made finer by")
-    until, interval = float(result.times[-1]), origin.options.interval
-    if kind[0] == "rtol":
-        yield from _of_tolerance(origin, until, interval)
-        return
     interval = stored_interval(origin)
+    if kind[0] == "rtol":
+        yield from _of_tolerance(result, origin, until, interval, other)
+        return
     yield rerun(origin, refined(stepper, QUARTER), "a quarter of the step", 2.0, until, interval)
     yield _second_opinion(result, origin, until, interval, other)
 
@@ -92,9 +95,11 @@ def stored_interval(origin: Origin) -> float:
     return max(1, round(asked / kind[1])) * kind[1] if asked > 0.0 else kind[1]
 
 
-def _of_tolerance(origin: Origin, until: float, interval: float) -> Iterator[Finished | str]:
+def _of_tolerance(
+    result: Result, origin: Origin, until: float, interval: float, other: bool
+) -> Iterator[Finished | str]:
     stepper = origin.stepper
-    if type(stepper).__name__ == "EventDriven":
+    if type(stepper).__name__ in HIGH_ORDER:
         if (kind := fineness(stepper)) is not None and kind[1] < FINEST:
             yield rerun(
                 origin, refined(stepper, 1.0 / HUNDREDTH), "a hundred times the tolerance", 1.0, until, interval
@@ -102,19 +107,27 @@ def _of_tolerance(origin: Origin, until: float, interval: float) -> Iterator[Fin
         else:
             yield rerun(origin, refined(stepper, HUNDREDTH), "a hundredth of the tolerance", 1.25, until, interval)
         return
-    for factor, what in ((QUARTER, "a quarter"), (QUARTER * QUARTER, "a sixteenth")):
-        yield rerun(origin, refined(stepper, factor), f"{what} of the tolerance", 2.0, until, interval)
+    sixteenth = refined(stepper, QUARTER * QUARTER)
+    yield rerun(origin, sixteenth, "a sixteenth of the tolerance", 2.0, until, interval / BETWEEN)
+    yield _second_opinion(result, origin, until, interval / BETWEEN, other)
 
 
 def _second_opinion(result: Result, origin: Origin, until: float, interval: float, asked: bool) -> Finished | str:
-    """Another method where there is one for the scene and it comes to the end, else half the step."""
+    """Another method where there is one for the scene and it comes to the end, else the same, a little finer."""
     most = max(ENOUGH, QUARTER * result.steps / CALLS)
     for other in _others(origin, until) if asked else ():
-        limit = most if hasattr(other, "rtol") else math.inf
+        limit = most if type(other).__name__ == "EventDriven" else math.inf
         found = rerun(origin, other, "another method", 2.0, until, interval, limit)
         if isinstance(found, Finished) and not found.told.ended:
             return found
+    if _controlled(origin.stepper):
+        return rerun(origin, refined(origin.stepper, QUARTER), "a quarter of the tolerance", 2.0, until, interval)
     return rerun(origin, refined(origin.stepper, 2.0), "half the step", 2.0, until, interval)
+
+
+def _controlled(stepper: Any) -> bool:
+    found = fineness(stepper)
+    return found is not None and found[0] == "rtol"
 
 
 def _others(origin: Origin, until: float) -> list[Any]:
@@ -132,10 +145,11 @@ def _others(origin: Origin, until: float) -> list[Any]:
     others: list[Any] = []
     if kind == "EventDriven":
         others = [kind_named("event-driven")(**({} if impact is None else {"impact": impact}))]
-    step = stepper.step / QUARTER
+    finer = refined(stepper, QUARTER)
+    same = {"step": finer.step, "adaptive": finer.adaptive}
     if name == "GeneralizedAlpha":
-        return [*others, kind_named("moreau-jean")(step=step)]
+        return [*others, kind_named("moreau-jean")(**same)]
     newton = impact is None or type(impact).__name__ == "Newton"
     if newton and kind != "MoreauJean":
-        others.append(kind_named("generalized-alpha")(step=step))
+        others.append(kind_named("generalized-alpha")(**same))
     return others

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
+from lcpflex.accuracy.comparison import bodies_of, differences
 from lcpflex.results.measured_error import PARTED
 
 HEIGHT, RADIUS, GRAVITY, BOUNCE = 0.25, 0.05, 9.81, 0.5
@@ -168,18 +169,46 @@ def test_few_instants_are_told() -> None:
 
 
 @pytest.mark.parametrize(
-    ("stepper", "what"),
+    ("stepper", "runs"),
     [
-        (lf.MoreauJean(step=1e-3, adaptive=lf.AdaptiveStep(rtol=1e-4)), "a sixteenth of the tolerance"),
-        (lf.Smooth(lf.Penalty(1e4)), "a sixteenth of the tolerance"),
-        (lf.Smooth(lf.Penalty(1e4), integrator=lf.Verlet(1e-4)), "half the step"),
+        (
+            lf.MoreauJean(step=1e-3, adaptive=lf.AdaptiveStep(rtol=1e-4)),
+            ["a sixteenth of the tolerance", "another method"],
+        ),
+        (lf.Smooth(lf.Penalty(1e4)), ["a hundredth of the tolerance"]),
+        (lf.Smooth(lf.Penalty(1e4), integrator=lf.Verlet(1e-4)), ["a quarter of the step", "half the step"]),
     ],
 )
-def test_steppers_without_another_method_are_checked_by_themselves(stepper: object, what: str) -> None:
+def test_other_steppers_are_checked(stepper: object, runs: list[str]) -> None:
     error = lf.simulate(dropped(), 0.3, stepper, verify=True).error  # type: ignore[arg-type]
     assert error is not None
-    assert error.reruns[-1].what == what
+    assert [run.what for run in error.reruns] == runs
     assert 0.0 < error.place < 0.01 * error.extent
+
+
+def test_impact_between_instants_is_no_error_of_velocities() -> None:
+    """Controlled steps end where they will: a jump in between is not halved."""
+    scene = dropped()
+    scene.load(lf.Force(scene.body("disc").at(0.0, 0.0), (0.0, lf.Harmonic(2.0, 80.0))))
+    one, other = (
+        lf.simulate(scene, 0.4, lf.MoreauJean(step=1e-3, adaptive=lf.AdaptiveStep(rtol=rtol)))
+        for rtol in (1e-5, 1e-5 / 16.0)
+    )
+    jump = (1.0 + BOUNCE) * np.sqrt(2.0 * GRAVITY * HEIGHT)
+    apart = differences(one, other, bodies_of(one), 0.0)
+    assert apart.rms[0] < 1e-2 * jump * np.sqrt(1e-3)  # of a half of it at one of a thousand instants
+
+
+def test_step_that_a_stepper_chose_is_divided() -> None:
+    scene = lf.Scene(gravity=(0.0, -GRAVITY))
+    beam = lf.Beam(0.5, 0.05, 0.02, 7800.0, 2.1e11, elements=4, axial=False)
+    placed = scene.add(beam, "beam", position=(0.0, 0.1), modes=2)
+    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    scene.contact(placed.surface(), floor, name="floor")
+    result = lf.simulate(scene, 5e-3, lf.MasslessBoundary())
+    error = result.verify()
+    assert [run.what for run in error.reruns[:2]] == ["a quarter of the step", "half the step"]
+    assert error.reruns[0].steps == pytest.approx(4 * result.steps, rel=0.01)
 
 
 def test_user_system_is_measured_in_shares_of_its_ranges() -> None:
