@@ -85,21 +85,26 @@ def truth_of(drawn: Drawn, first: lf.Result, second: lf.Result) -> Truth:
     return Truth(one, other, float(held[-1]), size, speed)
 
 
-def reference_runs(drawn: Drawn) -> tuple[lf.Result, lf.Result] | str:
+def reference_runs(
+    drawn: Drawn, interval: float | None = None, steppers: tuple[Any, ...] = ()
+) -> tuple[lf.Result, lf.Result] | str:
     """The first two references that come as far as a truth must; or why there are none.
+
+    ``interval`` [s] is between stored instants; ``steppers`` are others than those of the scene, with its own modes.
 
     The massless boundary has a contact model of its own, which comes to that of the others as modes are added: there is
     a truth where it has done so with three times as many.
     """
     found: list[lf.Result] = []
     why = ""
-    for stepper in references(drawn):
+    apart = drawn.duration / INSTANTS if interval is None else interval
+    for stepper in steppers or references(drawn):
         if len(found) == 2:
             break
-        finer = 3 if drawn.stepper == "massless" else 1
+        finer = 3 if drawn.stepper == "massless" and not steppers else 1
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            result, said = carried(drawn, stepper, PATIENCE, drawn.duration / INSTANTS, exact=True, finer=finer)
+            result, said = carried(drawn, stepper, PATIENCE, apart, exact=True, finer=finer)
         if result is None or len(result.times) < 2 or result.times[-1] < LEAST or not np.isfinite(result.q).all():
             why += f"{type(stepper).__name__}: {said or 'it came to nothing'}; "
         else:
