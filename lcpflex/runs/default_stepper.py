@@ -37,8 +37,10 @@ OF_FALL, OF_WAY, OF_TURN = 1e-2, 1e-2, 2e-2  # of sqrt(L / g), of L / v, of a ra
 A_PERIOD = 40  # steps, of the slowest mode of each body and of a harmonic
 STABLE = 3.3  # frequency times step up to which the explicit steps between events are stable
 # Event-driven steps and events for each step of the other stepper. They cost .5 to 2 times as much each, so that who
-# is given the other one after all has waited at most 100 times as long; Python functions are called at each stage.
-WORK, WORK_IN_PYTHON = 50, 10
+# is given the other one after all has waited at most 100 times as long; four times as much with hundreds of modes, and
+# where Python functions are called at each stage.
+WORK, LEAST_WORK = 50, 10
+FEW_COORDINATES = 50  # up to which all of the work is made
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +148,8 @@ def _default(source: CompiledScene | UserSystem, duration: float) -> Choice:
     share, flexible, why = _contacts(source)
     other: Stepper = kind_named("moreau-jean" if share > A_HEAP and not flexible else "generalized-alpha")(step=step)
     python = isinstance(source, UserSystem) or bool(source.callbacks)
-    most = math.ceil((WORK_IN_PYTHON if python else WORK) * duration / step)
+    share_of_work = 0.0 if python else min(1.0, FEW_COORDINATES / len(np.asarray(source.u)))
+    most = math.ceil(max(WORK * share_of_work, LEAST_WORK) * duration / step)
     fastest = float(_frequencies(source).max(initial=0.0))
     if share > 1.0 or flexible:
         return Choice(other, why)
@@ -159,7 +162,7 @@ def _contacts(source: CompiledScene | UserSystem) -> tuple[float, bool, str]:
     """How many contacts there are, as a share of those that are few; whether flexible bodies touch; both in words."""
     if isinstance(source, UserSystem):
         count = min(len(source.names), len(np.asarray(source.u)))  # more do not carry load without contradiction
-        return count / MOST_CONTACTS, False, f"at most {count} contacts carry load at once" if count else NO_CONTACTS
+        return count / MOST_CONTACTS, False, f"at most {count} of its contacts carry load" if count else NO_CONTACTS
     model = source.model
     if not len(model.contacts.friction):
         return 0.0, False, NO_CONTACTS

@@ -84,13 +84,20 @@ def test_faces_count_by_the_points_they_rest_on(model: Any) -> None:
     assert chosen(stack(5)).stepper == lf.MoreauJean(step=2e-4)
 
 
-def test_bodies_that_meet_the_ground_alone_are_no_pile() -> None:
+def scattered(count: int) -> lf.Scene:
+    """Discs beside each other, each with a contact with the ground alone."""
     scene = lf.Scene(gravity=(0.0, -9.81))
     floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
-    for k in range(20):
+    for k in range(count):
         disc = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.3 * k, 0.2))
         scene.contact(disc.surface(), floor)
-    assert isinstance(chosen(scene).stepper, lf.EventDriven)
+    return scene
+
+
+def test_bodies_that_meet_the_ground_alone_are_no_pile() -> None:
+    choice = chosen(scattered(20))
+    assert isinstance(choice.stepper, lf.EventDriven)
+    assert "no two bodies touch each other" in choice.note
 
 
 def test_flexible_bodies() -> None:
@@ -107,6 +114,11 @@ def test_fast_modes_take_too_many_steps() -> None:
     choice = chosen(stiff, 1.0)
     assert choice.stepper == lf.GeneralizedAlpha(step=2e-3)
     assert "modes up to 1e+06 rad/s would take 3e+05 steps" in choice.note
+
+
+@pytest.mark.parametrize(("count", "work"), [(10, 50.0), (20, 50.0 * 50.0 / 60.0), (200, 10.0)])
+def test_many_coordinates_get_less_work(count: int, work: float) -> None:
+    assert chosen(scattered(count)).most == pytest.approx(work * 0.1 / 2e-4, abs=1.0)
 
 
 def test_laws_are_never_left_to_steps_of_one_length() -> None:
@@ -197,7 +209,7 @@ def test_a_wrong_duration_is_refused_by_its_name() -> None:
 def overworked(monkeypatch: pytest.MonkeyPatch) -> None:
     """A step for each hundred of the other method."""
     monkeypatch.setattr(default_stepper, "WORK", 1e-2)
-    monkeypatch.setattr(default_stepper, "WORK_IN_PYTHON", 1e-2)
+    monkeypatch.setattr(default_stepper, "LEAST_WORK", 1e-2)
 
 
 @pytest.mark.parametrize("dim", [PLANE, SPACE])
@@ -235,6 +247,7 @@ def bouncing() -> lf.Scene:
 
 
 def test_too_much_work_after_a_break_begins_the_run_anew(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(default_stepper, "LEAST_WORK", 0)
     monkeypatch.setattr(default_stepper, "WORK", 2.4e-3)  # a hundred of its steps and impacts
     path = tmp_path / "run.npz"
     whole = lf.simulate(bouncing(), 50.0)
@@ -293,7 +306,7 @@ def test_an_interrupted_run_is_given_as_far_as_it_came(second: bool, monkeypatch
     begun: list[int] = []
     replaced = default_stepper.Choice.instead
     monkeypatch.setattr(default_stepper.Choice, "instead", instead)
-    monkeypatch.setattr(default_stepper, "WORK_IN_PYTHON", 1e-9 if second else 10)
+    monkeypatch.setattr(default_stepper, "LEAST_WORK", 1e-9 if second else 10)
     result = lf.simulate(pushed(load), 0.05)
     assert not result.complete
     assert "interrupted" in result.message
