@@ -28,13 +28,17 @@ if TYPE_CHECKING:
     from lcpflex.results.result import Result
 
 __all__ = [
+    "Around",
     "Bodies",
     "Differences",
+    "around",
     "bodies_of",
     "differences",
     "grid_of",
     "impacts",
     "joined",
+    "places_between",
+    "rates_between",
     "values_at",
     "window_of",
 ]
@@ -113,25 +117,44 @@ def grid_of(result: Result, until: float = np.inf) -> NDArray[np.int64]:
     return np.flatnonzero(last & (result.times <= until * (1.0 + SAME)))
 
 
+class Around(NamedTuple):
+    """Between which stored instants k times are: rows before and behind, the share of the way, their distance [s]."""
+
+    row: NDArray[np.int64]
+    behind: NDArray[np.int64]
+    share: FloatArray  # (k, 1)
+    span: FloatArray  # (k,)
+
+
+def around(times: FloatArray, at: FloatArray) -> Around:
+    """Between which stored instants some times are; of two instants at one time the later is taken."""
+    slack = SAME * float(max(times[-1], at[-1]))
+    row = np.clip(np.searchsorted(times, at + slack, side="right") - 1, 0, len(times) - 1)
+    behind = np.minimum(row + 1, len(times) - 1)
+    span = times[behind] - times[row]
+    share = np.where(span > 0.0, (at - times[row]) / np.where(span > 0.0, span, 1.0), 0.0)
+    share = np.where(share * span > slack, np.minimum(share, 1.0), 0.0)[:, None]
+    return Around(row, behind, share, span)
+
+
 def values_at(result: Result, at: FloatArray, bodies: Bodies) -> tuple[FloatArray, FloatArray, NDArray[np.int64]]:
     """q and u at some times, and the stored instants before or at them; linear between instants.
 
     Of two instants at one time the later is taken.
     """
-    slack = SAME * float(max(result.times[-1], at[-1]))
-    row = np.clip(np.searchsorted(result.times, at + slack, side="right") - 1, 0, len(result.times) - 1)
-    behind = np.minimum(row + 1, len(result.times) - 1)
-    span = result.times[behind] - result.times[row]
-    share = np.where(span > 0.0, (at - result.times[row]) / np.where(span > 0.0, span, 1.0), 0.0)
-    share = np.where(share * span > slack, np.minimum(share, 1.0), 0.0)[:, None]
-    q = _between(result.q, row, behind, share, span, result.u if not bodies.own else None, bodies)
-    return q, (1.0 - share) * result.u[row] + share * result.u[behind], row
+    held = around(result.times, at)
+    q = places_between(result.q, None if bodies.own else result.u, held)
+    return q, rates_between(result.u, held), held.row
 
 
-def _between(
-    q: FloatArray, row: Any, behind: Any, share: FloatArray, span: FloatArray, u: FloatArray | None, bodies: Bodies
-) -> FloatArray:
+def rates_between(u: FloatArray, held: Around) -> FloatArray:
+    """Velocities between stored instants: linear."""
+    return np.asarray((1.0 - held.share) * u[held.row] + held.share * u[held.behind])
+
+
+def places_between(q: FloatArray, u: FloatArray | None, held: Around) -> FloatArray:
     """Places between two instants: a cubic by the velocities at both where its bend is small, else straight."""
+    row, behind, share, span = held
     found = (1.0 - share) * q[row] + share * q[behind]
     inside = np.flatnonzero(share[:, 0] > 0.0)
     if not len(inside) or u is None or q.shape[1] != u.shape[1]:

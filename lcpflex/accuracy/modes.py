@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from lcpflex.accuracy.apart import apart
 from lcpflex.accuracy.comparison import grid_of
 from lcpflex.accuracy.reruns import Finished, rerun
@@ -64,5 +66,6 @@ def mode_error(result: Result, origin: Origin, until: float, interval: float) ->
     note = f"with twice as many modes it came to {found.told.until:.4g} s" if found.told.ended else ""
     if unknown:
         note += f"{'; ' if note else ''}of {', '.join(map(repr, unknown))} no more modes are known"
-    curve = FACTOR * (off.place + off.turn).max(axis=1, initial=0.0)
+    # watched points at the ends of a body turn with it: a rotation is in their places
+    curve = FACTOR * np.maximum(off.place, off.turn).max(axis=1, initial=0.0)
     return ModeError(float(curve.max(initial=0.0)), note, found.told, at, curve)

@@ -300,6 +300,8 @@ class Body:
             raise ModelError(
                 f"inertia: {shown(self.inertia)} was given, expected more than |moment|^2 / mass = {shown(least)}"
             )
+        if self.reduction is not None:
+            object.__setattr__(self, "reduction", self.reduction.sealed(self))
 
     def __setstate__(self, state: list[Any]) -> None:
         """Of a copy or what is unpickled, whose arrays are read-only again."""

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
+from hashlib import sha256
 from typing import Any, Generic, TypeVar
+
+import numpy as np
 
 from lcpflex.bodies.reduction.damping import continued
 
@@ -23,11 +26,21 @@ class Reduction(Generic[Made]):
     modes : how many were chosen: free ones, or those of the mesh with its boundary held
     most : how many of these the mesh has
     make : makes the same body with so many of them: of the same mesh, with the same boundary, interfaces and damping
+    seal : digest of the numbers of the body that was made so, and of the names on it; empty until there is one
     """
 
     modes: int
     most: int
     make: Callable[[int], Made]
+    seal: bytes = field(default=b"", repr=False)
+
+    def sealed(self, body: Made) -> Reduction[Made]:
+        """With the seal of the first body that has it; one in which fields are replaced keeps that of the first."""
+        return self if self.seal else replace(self, seal=_digest(body))
+
+    def tells(self, body: Made) -> bool:
+        """Whether the body is as its reduction made it: no field of it was replaced."""
+        return self.seal == _digest(body)
 
     def doubled(self, coordinates: int) -> int:
         """Twice as many modes, at most those of the mesh; of a body of static shapes alone, as many as it has.
@@ -35,6 +48,18 @@ class Reduction(Generic[Made]):
         coordinates: how many modal coordinates the body has.
         """
         return min(self.most, 2 * self.modes or coordinates)
+
+
+def _digest(body: Any) -> bytes:
+    """Of all numbers and arrays of a body, and of the names of its points and surfaces."""
+    found = sha256()
+    for part in fields(body):
+        value = getattr(body, part.name)
+        if isinstance(value, (int, float, np.ndarray)):
+            found.update(part.name.encode() + np.ascontiguousarray(value).tobytes())
+        elif isinstance(value, Mapping):
+            found.update(repr((part.name, *sorted(value))).encode())
+    return found.digest()
 
 
 def reduction_by(reduce: Callable[..., Made], modes: int, most: int, damping: Any, **options: Any) -> Reduction[Made]:

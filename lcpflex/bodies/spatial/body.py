@@ -161,6 +161,8 @@ class SpatialBody:
             raise ModelError("cross_damping: its diagonal belongs into damping, expected zeros there")
         object.__setattr__(self, "residual_modes", whole_number("residual_modes", self.residual_modes, 0, n))
         self._check_others(n)
+        if self.reduction is not None:
+            object.__setattr__(self, "reduction", self.reduction.sealed(self))
 
     def _keep_second(self) -> None:
         """P0 and J, of which one at least was given."""

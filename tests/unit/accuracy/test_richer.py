@@ -101,13 +101,15 @@ def test_bodies_of_unknown_origin_are_named() -> None:
     scene = lf.Scene()
     scene.add(replace(BEAM.reduce(4), reduction=None), "written")
     scene.add(replace(soft := BEAM.reduce(4), damping=soft.damping + 3.0), "changed", (0.0, 1.0))
+    named = replace(soft, points={**soft.points, "tip": soft.locate(0.4, 0.0)})
+    scene.add(named, "named", (0.0, 3.0))
     same, unknown = richer(scene)
     assert same is scene
-    assert unknown == ("written", "changed")
+    assert unknown == ("written", "changed", "named")
     scene.add(BEAM.reduce(4), "known", (0.0, 2.0))
     more, unknown = richer(scene)
-    assert unknown == ("written", "changed")
-    assert [body.modes for body in more.parts().bodies] == [4, 4, 8]
+    assert unknown == ("written", "changed", "named")
+    assert [body.modes for body in more.parts().bodies] == [4, 4, 4, 8]
 
 
 def test_the_last_of_several_damping_ratios_goes_on() -> None:
