@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from tests.property.error_judge import MEASURES
 
-__all__ = ["CRITERIA", "covered", "failures", "ratio", "summary", "understated"]
+__all__ = ["Criterion", "covered", "criteria", "failures", "ratio", "summary"]
 
 Line = dict[str, Any]
 Claim = Callable[[Line, str], float | None]
@@ -30,7 +31,6 @@ EARLY, NOT_SOONER = 0.5, 0.80
 OFF = 0.02  # of the extent or the largest speed: a run that is less off is right
 FALSE = 0.03  # of the right runs that may be called not to be trusted
 NAMES = {2: "plane", 3: "space"}
-CRITERIA = "E >= truth in 95 % of places, 92 % of rotations, 90 % of velocities (off impacts, rms); half of it in 97 %"
 
 
 def ratio(line: Line, name: str, claim: Claim | None = None) -> float | None:
@@ -61,13 +61,18 @@ def _confirmed(line: Line, name: str) -> float | None:
     return line["claimed"][name] if line["apart"][name] * BETTER <= line["true"][name] else None
 
 
+def _ratios(lines: Iterable[Line], name: str, claim: Claim | None = None) -> list[float]:
+    return [r for line in lines if (r := ratio(line, name, claim)) is not None]
+
+
 def covered(lines: Iterable[Line], least: float, names: Iterable[str] = MEASURES) -> tuple[int, int]:
     """How many of how many ratios are ``least`` or more."""
-    ratios = [r for line in lines for name in names if (r := ratio(line, name)) is not None]
+    lines = list(lines)
+    ratios = [r for name in names for r in _ratios(lines, name)]
     return sum(r >= least for r in ratios), len(ratios)
 
 
-def understated(line: Line) -> list[str]:
+def _understated(line: Line) -> list[str]:
     """The measures by which a run is off by more than it says and by more than 2 %."""
     found = []
     for name in MEASURES:
@@ -78,17 +83,20 @@ def understated(line: Line) -> list[str]:
 
 
 def _right(line: Line) -> bool:
+    """Of runs whose truth lasts to the end: a verdict may be of what comes later."""
+    if line["until"] < 0.999 * line["duration"]:
+        return False
     sizes = {"place": line["extent"], "turn": line["extent"], "speed": line["fastest"]}
     return all(line["true"][name] <= OFF * size for name, size in sizes.items())
 
 
 def _trusted(line: Line) -> bool:
-    return str(line["verdict"]).startswith("Trusted")
+    return bool(line["verdict"] == "Trusted")
 
 
 def failures(lines: Iterable[Line]) -> list[str]:
     """The runs called Trusted that are off by more than they say and 2 %."""
-    return [f"{line['dimension']}D seed {line['seed']}" for line in lines if _trusted(line) and understated(line)]
+    return [f"{line['dimension']}D seed {line['seed']}" for line in lines if _trusted(line) and _understated(line)]
 
 
 def _horizons(lines: Iterable[Line]) -> list[float]:
@@ -104,14 +112,14 @@ def _horizons(lines: Iterable[Line]) -> list[float]:
 def summary(lines: list[Line]) -> str:
     """Counts and shares of each dimension and of both, by stepper, and what fails."""
     words = [
-        f"Judged: runs off by {FLOOR:g} of the extent or of the largest speed, by measure ({', '.join(EXACTLY)}: "
-        f"{EXACT:g}, the truth being the same method at 1e-12). {CRITERIA}; each stepper at most {WORSE:.0%} worse."
+        f"Judged: runs off by {FLOOR:g} of the extent or of the largest speed ({', '.join(EXACTLY)}: "
+        f"{EXACT:g}, the truth being the same method at 1e-12), in a measure."
     ]
     for dimension in sorted({line["dimension"] for line in lines}):
         own = [line for line in lines if line["dimension"] == dimension]
         words += ["", _counts(NAMES[dimension], own), "", *_table(own)]
-    judged = [line for line in lines if line["outcome"] == "judged"]
-    return "\n".join([*words, "", "Both:", "", *_table(lines), "", *_criteria(judged), "", *_found(lines)])
+    told = [str(one) for one in criteria(lines)]
+    return "\n".join([*words, "", "Both:", "", *_table(lines), "", *told, "", *_found(lines)])
 
 
 def _counts(name: str, lines: list[Line]) -> str:
@@ -145,42 +153,66 @@ def _table(lines: list[Line]) -> list[str]:
 
 
 def _cell(lines: list[Line], name: str, claim: Claim | None = None) -> str:
-    ratios = np.array([r for line in lines if (r := ratio(line, name, claim)) is not None])
+    ratios = np.array(_ratios(lines, name, claim))
     if not len(ratios):
         return "-"
     return f"{len(ratios)}: {np.median(ratios):.2f}, {(ratios >= 1.0).mean():.0%}, {(ratios >= 0.5).mean():.0%}"
 
 
-def _criteria(judged: list[Line]) -> list[str]:
-    words = []
+@dataclass(frozen=True)
+class Criterion:
+    """What a campaign must show, and what it shows."""
 
-    def tell(what: str, share: float, limit: float, count: int) -> None:
-        ok = not share < limit
-        words.append(f"- {what}: {share:.1%} of {count}, limit {limit:.0%}: {'passes' if ok else 'FAILS'}")
+    what: str
+    found: float
+    limit: float
+    count: int  # of runs that it is of
+    most: bool = False  # whether the limit is the largest that may be found
 
-    for name, limit in LIMITS.items():
-        good, count = covered(judged, 1.0, [name])
-        tell(f"E >= truth, {name}", good / max(1, count), limit, count)
-        for stepper in sorted({line["stepper"] for line in judged}):
-            good, own = covered([line for line in judged if line["stepper"] == stepper], 1.0, [name])
-            if own >= OFTEN and good / own < limit - WORSE:
-                tell(f"    {stepper}, {name}", good / own, limit - WORSE, own)
-        half, count = covered(judged, 0.5, [name])
-        tell(f"E >= half the truth, {name}", half / max(1, count), HALF, count)
-        ratios = [r for line in judged if (r := ratio(line, name)) is not None]
-        median = float(np.median(ratios)) if ratios else 0.0
-        words.append(f"- median, {name}: {median:.2f}, limit {MEDIAN}: {'passes' if median <= MEDIAN else 'FAILS'}")
+    @property
+    def holds(self) -> bool:
+        """Also where there is nothing that it is of."""
+        return not self.count or (self.found <= self.limit if self.most else self.found >= self.limit)
+
+    def __str__(self) -> str:
+        sign, holds = "<=" if self.most else ">=", "holds" if self.holds else "DOES NOT HOLD"
+        return f"- {self.what}: {self.found:.3f} of {self.count}, to be {sign} {self.limit:.2f}: {holds}"
+
+
+def criteria(lines: Iterable[Line]) -> list[Criterion]:
+    """All that a campaign over both dimensions must show."""
+    judged = [line for line in lines if line["outcome"] == "judged"]
+    found = [one for name, limit in LIMITS.items() for one in _of_measure(judged, name, limit)]
     apart = _horizons(judged)
-    tell("horizon no later than 1.1 x true", _share(apart, lambda r: r <= LATE), IN_TIME, len(apart))
-    tell("horizon at least half the true one", _share(apart, lambda r: r >= EARLY), NOT_SOONER, len(apart))
+    found += [
+        Criterion("horizon at most 1.1 times the true one", _share(apart, lambda r: r <= LATE), IN_TIME, len(apart)),
+        Criterion("horizon at least half of it", _share(apart, lambda r: r >= EARLY), NOT_SOONER, len(apart)),
+    ]
     right = [line for line in judged if _right(line)]
-    tell(
-        "right runs not called wrong",
-        _share(right, lambda line: not line["verdict"].startswith("NOT")),
-        1 - FALSE,
-        len(right),
-    )
-    return words
+    alarmed = _share(right, lambda line: line["verdict"].startswith("NOT"))
+    trusted = [line for line in judged if _trusted(line)]
+    low = float(len(failures(judged)))
+    return [
+        *found,
+        Criterion("right runs called not to be trusted", alarmed, FALSE, len(right), True),
+        Criterion("runs called trusted, off by more than they say and 2 %", low, 0.0, len(trusted), True),
+    ]
+
+
+def _of_measure(judged: list[Line], name: str, limit: float) -> list[Criterion]:
+    whole, count = covered(judged, 1.0, [name])
+    half, _ = covered(judged, 0.5, [name])
+    share, median = max(1, count), float(np.median(_ratios(judged, name) or [1.0]))
+    found = [
+        Criterion(f"{name}: E >= truth", whole / share, limit, count),
+        Criterion(f"{name}: E >= half the truth", half / share, HALF, count),
+        Criterion(f"{name}: median of E / truth", median, MEDIAN, count, True),
+    ]
+    for stepper in sorted({line["stepper"] for line in judged}):
+        good, own = covered([line for line in judged if line["stepper"] == stepper], 1.0, [name])
+        if own >= OFTEN:
+            found.append(Criterion(f"{name}, {stepper}: E >= truth", good / own, limit - WORSE, own))
+    return found
 
 
 def _share(values: list[Any], holds: Callable[[Any], bool]) -> float:
