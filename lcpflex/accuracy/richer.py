@@ -2,7 +2,9 @@
 
 Of 58 runs of planar flexible scenes with contact, twice the largest change of a place by twice as many modes was
 1.8 [1.4, 2.4] times the true error of the modes, and below it in one of ten; of 16 runs in space 1.6 [1.3, 2.0], and
-below it once, by four times, where two modes bend a beam in one plane only.
+below it once, by four times, where two modes bend a beam in one plane only. Truth had 3 n + 4 modes. To that of the
+whole mesh it is 1.7 to 6 times the distance for beams and bars, and .3 to .8 times for a soft meshed block that lands
+on a corner: what gives way where bodies touch comes with all modes, not with the next ones.
 """
 
 from __future__ import annotations

@@ -63,7 +63,11 @@ def _two_of(compiled: CompiledScene, body: str, ends: bool, other: CompiledScene
             return [(0.0, 0.0, 0.0), (arm, 0.0, 0.0), (0.0, arm, 0.0)]
         return [(0.0, 0.0), (arm, 0.0)]
     if not len(own):
-        raise ModelError(f"outputs: the flexible body {body!r} has no point whose motion is known; choose outputs")
+        where = "" if other is None else " in both scenes"
+        raise ModelError(
+            f"outputs: the flexible body {body!r} has no point whose motion is known{where}, expected a named point, a "
+            "contact, joint, load or sensor on it, or outputs of your own"
+        )
     first = own[np.linalg.norm(own - own.mean(axis=0), axis=1).argmax()]
     last = own[np.linalg.norm(own - first, axis=1).argmax()]
     chosen = [first, last]

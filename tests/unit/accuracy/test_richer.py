@@ -289,3 +289,11 @@ def test_results_of_other_bodies_are_refused() -> None:
     one, other = motion(plane(2), 0.001), motion(space(2), 0.001)
     with pytest.raises(ModelError, match="a result of other bodies"):
         apart(one, other, np.zeros(1))
+
+
+def test_bodies_of_which_no_point_is_known_are_refused() -> None:
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    scene.add(replace(BEAM.reduce(2), points={}, surfaces={}), "bare")
+    bare = motion(scene, 0.001)
+    with pytest.raises(ModelError, match="flexible body 'bare' has no point whose motion is known in both scenes"):
+        apart(bare, bare, np.zeros(1))
