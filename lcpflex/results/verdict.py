@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from textwrap import shorten
 from typing import TYPE_CHECKING
 
 from lcpflex.basics.alarm import FINER, Alarm
@@ -28,6 +29,7 @@ PASSED = "its checks pass (energy balanced, contact problems solved, gaps and jo
 LARGE = PARTED  # of the largest speed: an error of that size is none to be trusted within
 BEGUN = 0.1  # of the duration: what parts before holds nowhere
 LEAST = 1e-6  # a smaller share is told as less than that
+LONGEST = 160  # characters of a note on reruns that a sentence has
 LISTED = 4  # contacts whose touches are told
 
 
@@ -43,7 +45,7 @@ class Verdict:
         2, 1 or 0.
     reasons
         The alarms of a result that is not to be trusted (:class:`Alarm`: a text with what, where, when, amount and
-        advice), else remarks; of a result with warnings, those.
+        advice), else its warnings, and notes on reruns.
     numbers
         By name: "unexplained" energy over the largest stored, "residual" and "strict" of contact problems (relative),
         "penetration" and "drift" [m], and where reruns have measured the error, "place", "turn", "speed", "speed_rms"
@@ -81,12 +83,10 @@ def verdict_of(result: Result) -> Verdict:
             f"({_work(result)} the work of this run)."
         )
         return Verdict(UNVERIFIED, result.warnings, numbers, sentence)
-    return Verdict(
-        TRUSTED,
-        result.warnings,
-        numbers,
-        f"{TRUSTED}{_as_modelled(result.error)} {_within(result, result.error)}{warned}.",
-    )
+    error = result.error
+    notes = "".join(f"; {shorten(note, LONGEST, placeholder=' ...')}" for note in error.notes)
+    sentence = f"{TRUSTED}{_as_modelled(error)} {_within(result, error)}{notes}{warned}."
+    return Verdict(TRUSTED, (*result.warnings, *error.notes), numbers, sentence)
 
 
 def _numbers(result: Result) -> Iterator[tuple[str, float]]:
@@ -181,8 +181,9 @@ def _modes(result: Result, error: MeasuredError) -> str:
     """What is known of modes that a run does without."""
     if error.modes is None:
         return ""
-    share = error.modes / error.extent
-    return f"; for want of more modes places may be off by {_share(share)}{_metres(result, error.modes)}"
+    off = f"{_share(error.modes / error.extent)}{_metres(result, error.modes)}"
+    late = f", by more than {_share(PARTED)} from t = {error.modes_horizon:.6g} s on"
+    return f"; for want of more modes places may be off by {off}{late if math.isfinite(error.modes_horizon) else ''}"
 
 
 def _touches(error: MeasuredError) -> str:

@@ -87,10 +87,19 @@ def test_a_measured_error_is_trusted_within_it(run: Result) -> None:
     assert "in places (600 µm), 2 % in rotations, 3 % in velocities" in str(turned)
     assert "; for want of more modes places may be off by 0.2 % (100 µm); touches" in str(turned)
     assert str(turned).startswith("Trusted within")
+    assert turned.numbers["modes"] == pytest.approx(2e-3)
     coarse = str(replace(run, error=measured(modes=1e-2)).verdict)
     assert coarse.startswith("Trusted, with the modes that it has, within 1.2 % in places")
-    assert "; for want of more modes places may be off by 20 % (10 mm)" in coarse
-    assert turned.numbers["modes"] == pytest.approx(2e-3)
+    assert "; for want of more modes places may be off by 20 % (10 mm); touches" in coarse
+    late = str(replace(run, error=measured(modes=1e-2, modes_horizon=0.125)).verdict)
+    assert "off by 20 % (10 mm), by more than 5 % from t = 0.125 s on; touches" in late
+
+
+def test_notes_on_reruns_are_told(run: Result) -> None:
+    verdict = replace(run, error=measured(notes=("few instants were compared", "no end " * 50))).verdict
+    assert "; few instants were compared; no end no end" in str(verdict)
+    assert len(str(verdict)) < 400
+    assert verdict.reasons == ("few instants were compared", "no end " * 50)
 
 
 def test_velocities_that_are_far_off_are_not_trusted_with_places(run: Result) -> None:
