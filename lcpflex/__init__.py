@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.spatial.rigid import Capsule, ConvexHull, Cuboid, Cylinder, SpatialRigidBody, Sphere
     from lcpflex.compile.state_mechanics import StateMechanics
     from lcpflex.dynamics.impact_laws import Newton, Poisson, Stronge
-    from lcpflex.errors import LcpflexError, ModelError, ModelWarning, SolverError, StepError
+    from lcpflex.errors import LcpflexError, ModelError, ModelWarning, SolverError, StepError, ToleranceError
     from lcpflex.force_laws.contact_law import ContactLaw
     from lcpflex.force_laws.penalty import Penalty
     from lcpflex.results.energy_balance import EnergyGrowth
@@ -168,6 +168,7 @@ __all__ = [
     "Stiff",
     "Stiffening",
     "Table",
+    "ToleranceError",
     "Torque",
     "TorsionSpring",
     "Universal",

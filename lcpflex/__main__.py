@@ -18,7 +18,7 @@ from lcpflex.cli.right_size import add_right_size
 from lcpflex.cli.run import add_gallery, add_run
 from lcpflex.cli.stability import add_stability
 from lcpflex.cli.warmup import add_warmup
-from lcpflex.errors import LcpflexError, ModelError, StepError
+from lcpflex.errors import LcpflexError, ModelError, StepError, ToleranceError
 
 __all__ = ["main"]
 
@@ -52,6 +52,8 @@ def _carried_out(parser: argparse.ArgumentParser, arguments: Sequence[str] | Non
         print(f"lcpflex: {error}", file=sys.stderr)
         if isinstance(error, StepError) and error.result is not None:
             print(f"\nUp to there:\n\n{error.result.summary()}", file=sys.stderr)
+        if isinstance(error, ToleranceError) and error.result is not None:
+            print(f"\nTried:\n\n{error.result.choice}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print("lcpflex: interrupted", file=sys.stderr)

@@ -20,6 +20,7 @@ __all__ = [
     "ModelWarning",
     "SolverError",
     "StepError",
+    "ToleranceError",
     "as_number",
     "in_range",
     "path_of",
@@ -81,6 +82,18 @@ class StepError(LcpflexError, RuntimeError):
         self.time = time
         self.step = step
         self.contacts = contacts
+        self.result = result
+
+
+class ToleranceError(LcpflexError, RuntimeError):
+    """A simulation cannot be had to the tolerance that was asked for, or no independent method bears it out.
+
+    ``result`` holds the best run made, with ``result.choice`` and, where it is known, ``result.error``; None: no run
+    came to anything.
+    """
+
+    def __init__(self, message: str, result: Any = None) -> None:
+        super().__init__(message)
         self.result = result
 
 

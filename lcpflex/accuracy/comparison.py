@@ -18,8 +18,8 @@ from lcpflex.basics.lengths import lengths
 from lcpflex.compile.touched_pairs import pair_of
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.configuration import difference
-from lcpflex.model.layout import SPACE, dimension
-from lcpflex.results.motion_units import Units
+from lcpflex.model.layout import SPACE, dimension, place_offsets
+from lcpflex.results.motion_units import Units, scene_size
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -37,8 +37,10 @@ __all__ = [
     "grid_of",
     "impacts",
     "joined",
+    "places_apart",
     "places_between",
     "rates_between",
+    "sizes_of",
     "values_at",
     "window_of",
 ]
@@ -49,6 +51,7 @@ BENT = (
 )
 STRAIGHT = 1e-3  # of the way, which velocities that hardly change tell to rounding
 SUDDEN = 0.5  # of the impulse between two instants that the forces at both do not explain: an impact
+AT_REST = 1e-4  # of the extent over the duration: slower is at rest, where rounding is as large as the speed
 STILL = 1e-6  # of the largest range of a user's coordinates: a smaller one is rounding
 
 
@@ -172,10 +175,7 @@ def places_between(q: FloatArray, u: FloatArray | None, held: Around) -> FloatAr
 
 def differences(result: Result, other: Result, bodies: Bodies, window: float) -> Differences:
     """How far two runs are apart, up to the end of the shorter one; impacts within ``window`` [s] free velocities."""
-    rows = grid_of(result, float(other.times[-1]))
-    times = result.times[rows]
-    q, u, held = values_at(other, times, bodies)
-    place, turn = _apart(result.q[rows], q, bodies)
+    rows, times, place, turn, u, held = _compared(result, other, bodies)
     fast = _speeds_apart(result.u[rows], u, other, times, held, bodies)
     near = [freed(one, bodies, times, window) for one in (result, other)]
     off = ~(near[0] | near[1])
@@ -183,6 +183,19 @@ def differences(result: Result, other: Result, bodies: Bodies, window: float) ->
     square = 0.5 * (fast[1:] ** 2 + fast[:-1] ** 2) * np.diff(times)[:, None]
     rms = np.sqrt(square.sum(axis=0) / max(float(times[-1] - times[0]), np.finfo(float).tiny))
     return Differences(times, place, turn, speed, rms, *_contacts(result, rows, other, held, bodies, off))
+
+
+def places_apart(result: Result, other: Result, bodies: Bodies) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Times (nt,), and how far places and rotations times extent are apart then, (nt, nb) each; see Differences."""
+    return _compared(result, other, bodies)[1:4]
+
+
+def _compared(result: Result, other: Result, bodies: Bodies) -> tuple[Any, ...]:
+    """Stored rows of ``result`` and their times, places and turns apart, and what ``other`` does then."""
+    rows = grid_of(result, float(other.times[-1]))
+    times = result.times[rows]
+    q, u, held = values_at(other, times, bodies)
+    return rows, times, *_apart(result.q[rows], q, bodies), u, held
 
 
 def _apart(q: FloatArray, other: FloatArray, bodies: Bodies) -> tuple[FloatArray, FloatArray]:
@@ -321,3 +334,23 @@ def window_of(result: Result, others: Sequence[Result]) -> float:
     """Within which time an impact frees velocities [s]: two of the longest steps that put impacts at their ends."""
     longest = max(run.impact_step for run in (result, *others))
     return max(2.0 * longest, SAME * float(result.times[-1]))
+
+
+def sizes_of(result: Result, bodies: Bodies) -> tuple[float, float]:
+    """Largest extent of a body or way of its origin [m], and largest speed of a point [m/s]; of own systems 1."""
+    if bodies.own:
+        return 1.0, 1.0
+    way = 0.0
+    for moved in _ways(result, bodies):
+        way = max(way, float(moved.max(initial=0.0)))
+    extent = max(scene_size(result) or 0.0, way, np.finfo(float).tiny)
+    span = float(result.times[-1] - result.times[0])
+    fastest = float(np.max(sum(bodies.units.parts(result.u)), initial=0.0))
+    return extent, max(fastest, AT_REST * extent / span)
+
+
+def _ways(result: Result, bodies: Bodies) -> list[FloatArray]:
+    """How far the origin of each body was from where it began [m]."""
+    components = dimension(bodies.model.bodies).components
+    starts = place_offsets(bodies.model.bodies)[:-1].tolist()
+    return [lengths(result.q[:, k : k + components] - result.q[0, k : k + components]) for k in starts]

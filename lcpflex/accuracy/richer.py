@@ -9,6 +9,7 @@ on a corner: what gives way where bodies touch comes with all modes, not with th
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -34,8 +35,10 @@ COORDINATES = frozenset({"q", "u"})
 OFFSETS = frozenset({"dof", "bodies"})
 
 
-def richer(scene: AnyScene) -> tuple[AnyScene, tuple[str, ...]]:
-    """The scene with twice as many modes of each reduced body, at most those of its mesh.
+def richer(scene: AnyScene, factor: float = 2.0, least: int = 0) -> tuple[AnyScene, tuple[str, ...]]:
+    """The scene with ``factor`` times as many modes of each reduced body, at most those of its mesh.
+
+    A factor below 1 makes it poorer, of no body to fewer modes than ``least``.
 
     Counted are the modes that were chosen: free ones, or those of the mesh with its boundary held. Residual modes
     follow from joints, loads and contacts where the scene reduces its bodies, else from the interfaces that were given.
@@ -62,7 +65,7 @@ def richer(scene: AnyScene) -> tuple[AnyScene, tuple[str, ...]]:
     for placed in scene.parts().placed:
         order = placed.order
         body = placed.source if order is None or not order.modes else order.body(())
-        more = _more(body, known)
+        more = _more(body, known, lambda one, count: one.scaled(factor, count, least))
         if more is None:
             unknown.append(placed.name)
         if more is None or more is body:
@@ -79,17 +82,18 @@ def richer(scene: AnyScene) -> tuple[AnyScene, tuple[str, ...]]:
     return remade(scene, made), tuple(unknown)
 
 
-def _more(body: Any, known: dict[int, Any]) -> Any:
-    """The body with twice as many modes; itself where there are no more; None where it is not known how to make it."""
+def _more(body: Any, known: dict[int, Any], count: Callable[[Reduction[Any], int], int]) -> Any:
+    """The body with as many modes as ``count`` says; itself where it has them, or all; None: how is not known."""
     if not body.modes:
         return body
     reduction: Reduction[Any] | None = body.reduction
     if reduction is None or not reduction.tells(body):
         return None
-    if reduction.modes == reduction.most:
+    modes = count(reduction, body.modes)
+    if reduction.modes in (modes, reduction.most):
         return body
     if id(body) not in known:
-        known[id(body)] = reduction.make(reduction.doubled(body.modes))
+        known[id(body)] = reduction.make(modes)
     return known[id(body)]
 
 

@@ -13,20 +13,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.accuracy.comparison import bodies_of, differences, window_of
+from lcpflex.accuracy.comparison import bodies_of, differences, sizes_of, window_of
 from lcpflex.accuracy.modes import ModeError, mode_error
 from lcpflex.accuracy.reruns import Finished, checking_runs, stored_interval
 from lcpflex.accuracy.sameness import origin_of, refuse_others
 from lcpflex.basics.arguments import flag
-from lcpflex.basics.lengths import lengths
 from lcpflex.basics.progress import Progress
 from lcpflex.errors import ModelError
-from lcpflex.model.layout import dimension, place_offsets
 from lcpflex.results.measured_error import PARTED, MeasuredError
-from lcpflex.results.motion_units import scene_size
 
 if TYPE_CHECKING:
-    from lcpflex.accuracy.comparison import Bodies
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.results.result import Result
 
@@ -35,7 +31,6 @@ __all__ = ["is_cheap", "measured", "verify"]
 CHEAP = 1e6  # steps x velocities x contacts, up to which "auto" verifies: some seconds with all reruns
 FEW = 100  # instants, fewer of which may miss by how much runs are apart in between
 LISTED = 8  # contacts whose touches are counted
-AT_REST = 1e-4  # of the extent over the duration: slower is at rest, where rounding is as large as the speed
 
 
 def is_cheap(result: Result) -> bool:
@@ -82,7 +77,7 @@ def measured(result: Result, reruns: Sequence[Finished], notes: tuple[str, ...] 
     window = window_of(result, [one.result for one in reruns])
     apart = [differences(result, one.result, bodies, window) for one in reruns]
     factors = [one.told.factor for one in reruns]
-    extent, fastest = _sizes(result, bodies)
+    extent, fastest = sizes_of(result, bodies)
     first = min(apart, key=lambda one: len(one.times))
     rows = len(first.times)
     times = first.times
@@ -135,26 +130,6 @@ def _largest(curves: Sequence[FloatArray], factors: Sequence[float]) -> FloatArr
     for curve, factor in zip(curves, factors, strict=True):
         found = np.fmax(found, factor * curve)
     return found
-
-
-def _sizes(result: Result, bodies: Bodies) -> tuple[float, float]:
-    """Largest extent of a body or way of its origin [m], and largest speed of a point [m/s]; of own systems 1."""
-    if bodies.own:
-        return 1.0, 1.0
-    way = 0.0
-    for moved in _ways(result, bodies):
-        way = max(way, float(moved.max(initial=0.0)))
-    extent = max(scene_size(result) or 0.0, way, np.finfo(float).tiny)
-    span = float(result.times[-1] - result.times[0])
-    fastest = float(np.max(sum(bodies.units.parts(result.u)), initial=0.0))
-    return extent, max(fastest, AT_REST * extent / span)
-
-
-def _ways(result: Result, bodies: Bodies) -> list[FloatArray]:
-    """How far the origin of each body was from where it began [m]."""
-    components = dimension(bodies.model.bodies).components
-    starts = place_offsets(bodies.model.bodies)[:-1].tolist()
-    return [lengths(result.q[:, k : k + components] - result.q[0, k : k + components]) for k in starts]
 
 
 def _horizon(times: FloatArray, off: FloatArray, extent: float, end: float) -> tuple[float, bool]:

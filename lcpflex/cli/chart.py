@@ -6,11 +6,11 @@ import argparse
 import math
 from typing import Any
 
+from lcpflex.accuracy.outputs import known_outputs, standard_outputs
 from lcpflex.cli import later
 from lcpflex.cli.reading import add_files, check_files, deliver, duration_of, methods_named, outputs_named
 from lcpflex.cli.scenes import Loader, scene_named
 from lcpflex.errors import ModelError, in_range
-from lcpflex.studies.outputs import known_outputs, standard_outputs
 
 __all__ = ["add_chart"]
 

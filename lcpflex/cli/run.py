@@ -36,6 +36,9 @@ def add_run(commands: Any) -> None:
     run.add_argument(
         "--no-verify", action="store_true", help="do not measure the error by reruns, which take six times the work"
     )
+    run.add_argument(
+        "--tolerance", type=float, metavar="SHARE", help="error of places to be had, of the largest extent or travel"
+    )
     run.add_argument("--save", type=Path, metavar="FILE", help="write the result to this npz file")
     run.add_argument("--plot", type=Path, metavar="FILE", help="write a chart to this png, pdf or svg file")
     run.set_defaults(command=_run)
@@ -58,15 +61,27 @@ def _run(request: argparse.Namespace) -> int:
     check_files(request, "plot", "save")
     scene, duration, stepper = scene_named(request.scene)
     duration = duration_of(request, duration)
-    stepper = _stepper(request.stepper, request.step, request.stiffness, stepper)
-    result = later.simulate(scene, duration, stepper, budget=request.budget, verify=not request.no_verify)
+    result = _result(request, scene, duration, stepper)
     print(result.summary())
+    if result.choice is not None:
+        print(f"\n{result.choice}")
     if request.save is not None:
         print(f"\nsaved: {result.save(request.save).resolve()}")
     if request.plot is not None:
         save_figure(result.plot(), request.plot)
         print(f"\nchart: {request.plot.resolve()}")
     return 0 if result.complete else 1
+
+
+def _result(request: argparse.Namespace, scene: Any, duration: float, own: Any) -> Any:
+    """The run asked for."""
+    if request.tolerance is None:
+        stepper = _stepper(request.stepper, request.step, request.stiffness, own)
+        return later.simulate(scene, duration, stepper, budget=request.budget, verify=not request.no_verify)
+    for option in ("step", "stiffness"):
+        if getattr(request, option) is not None:
+            raise ModelError(f"--{option}: given with --tolerance, which chooses it; expected one of the two")
+    return later.simulate(scene, duration, request.stepper, budget=request.budget, tolerance=request.tolerance)
 
 
 def _stepper(name: str | None, step: float | None, stiffness: float | None, own: Any) -> Any:

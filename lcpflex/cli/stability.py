@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.accuracy.outputs import known_outputs
 from lcpflex.cli import later
 from lcpflex.cli.reading import check_files, deliver, in_file, one_named, outputs_named
 from lcpflex.cli.scenes import case_or_function
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.studies.criteria import Criteria
-from lcpflex.studies.outputs import known_outputs
 
 __all__ = ["add_stability"]
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
 
-__all__ = ["INTERVALS", "probed"]
+__all__ = ["INTERVALS", "probed", "unseen"]
 
 BENT = 0.05  # of the range: by how much a straight line may be off
 UNEXPLAINED = 2.0 * BENT  # of the range: a value that straight lines have missed, of those that are good to BENT
@@ -45,6 +45,19 @@ def probed(function: Callable[[float], Any], duration: float, closely: bool = Tr
     if probe.follow(list(pairwise(probe.edges)), MOST_CALLS) and closely:
         probe.follow(probe.off(), 2 * MOST_CALLS)
     return probe.found()
+
+
+def unseen(function: Callable[[float], Any], duration: float) -> tuple[float | None, float]:
+    """Where a function that was not probed closely does something for a moment [s], and the width looked for [s].
+
+    None: nowhere. Twice a cell is the width that is seen for sure.
+    """
+    width = 2.0 * duration / _cells(function, duration)
+    probe = _Probe(function, duration)
+    if not probe.begun or not probe.follow(list(pairwise(probe.edges)), MOST_CALLS):
+        return None, width
+    off = probe.off()
+    return (0.5 * sum(off[0]) if off else None), width
 
 
 class _Probe:
@@ -121,8 +134,7 @@ def _value(function: Callable[[float], Any], t: float) -> FloatArray | None:
 
 def _looks(function: Callable[[float], Any], duration: float, components: int) -> tuple[FloatArray, FloatArray]:
     """Instants (k,), one in each cell, and values (k, components); none of a function that raises at one of them."""
-    cells = CELLS // max(1, math.ceil(_calls_of(function, 0.5 * duration) / CHEAP))
-    cells = max(cells, 2 * INTERVALS)
+    cells = _cells(function, duration)
     times = (np.arange(cells) + np.random.default_rng(SEED).random(cells)) * (duration / cells)
     try:
         values = np.array([function(t) for t in times.tolist()], dtype=float).reshape(cells, -1)
@@ -132,6 +144,11 @@ def _looks(function: Callable[[float], Any], duration: float, components: int) -
     if values.shape[1] != components or not finite.any():
         return np.zeros(0), np.zeros((0, components))
     return times[finite], values[finite]
+
+
+def _cells(function: Callable[[float], Any], duration: float) -> int:
+    """In how many cells of equal length a function is looked at: fewer, the more a look at it costs."""
+    return max(CELLS // max(1, math.ceil(_calls_of(function, 0.5 * duration) / CHEAP)), 2 * INTERVALS)
 
 
 def _calls_of(function: Callable[[float], Any], t: float) -> int:

@@ -51,6 +51,7 @@ HDF5, FOR_OTHERS = (".h5", ".hdf5"), (".vtkhdf",)  # endings
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _HOMES = (  # of the value classes that a file may name
     "lcpflex.results.result", "lcpflex.results.sensor", "lcpflex.results.measured_error", "lcpflex.basics.alarm",
+    "lcpflex.results.run_choice",
     "lcpflex.results.contact_history", "lcpflex.results.energy_balance",
     "lcpflex.compile.compiled_scene", "lcpflex.model.arrays", "lcpflex.model.recovery", "lcpflex.model.spatial",
     "lcpflex.bodies.spatial.shapes",

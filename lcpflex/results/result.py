@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from lcpflex.results.measured_error import MeasuredError as MeasuredError
     from lcpflex.results.modal_coordinates import ModalCoordinates as ModalCoordinates
     from lcpflex.results.momentum import Momentum as Momentum
+    from lcpflex.results.run_choice import RunChoice as RunChoice
     from lcpflex.results.section_forces import SectionForces as SectionForces
     from lcpflex.results.spatial.section_forces import SpatialSectionForces
     from lcpflex.results.state_at import StateAt as StateAt
@@ -50,8 +51,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Alarm", "CREEP", "OPEN", "SLIP", "STICK", "ContactHistory", "ContactPoints", "ContactWindow", "Event",
-    "Instant", "JointReaction", "MeasuredError", "ModalCoordinates", "Momentum", "Result", "SectionForces",
-    "SensorHistory", "StateAt", "Stress", "StressHistory", "Verdict",
+    "Instant", "JointReaction", "MeasuredError", "ModalCoordinates", "Momentum", "Result", "RunChoice",
+    "SectionForces", "SensorHistory", "StateAt", "Stress", "StressHistory", "Verdict",
 ]  # fmt: skip
 
 __getattr__, __dir__ = attach(__name__)  # classes of what the methods return
@@ -119,6 +120,7 @@ class Result(NamesNearest):
     sensors: tuple[SensorHistory, ...] = ()  # what the sensors of the scene have measured, see ``sensor``
     step_tolerance: float = 0.0  # [m] by which error control lets a step of time stepping misplace a body; 0: no such
     error: MeasuredError | None = None  # measured by reruns, see ``verify``; None: not measured
+    choice: RunChoice | None = None  # of a run to a tolerance: what was tried, and why it is this run; None else
     origin: Any = field(default=None, repr=False)  # what it can be run again by; None: of a file
 
     def __post_init__(self) -> None:

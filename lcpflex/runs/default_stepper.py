@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.runs.setup import Run, Stepper
 
-__all__ = ["Choice", "Wish", "in_words", "step_of"]
+__all__ = ["Choice", "Wish", "explicit_steps", "in_words", "step_of"]
 
 RTOL = 1e-6  # of event-driven stepping: a tighter one moves nothing that shows, and takes a seventh longer
 MOST_BODIES = 12  # that may touch each other, up to which impacts are located one by one
@@ -150,12 +150,17 @@ def _default(source: CompiledScene | UserSystem, duration: float) -> Choice:
     python = isinstance(source, UserSystem) or bool(source.callbacks)
     share_of_work = 0.0 if python else min(1.0, FEW_COORDINATES / len(np.asarray(source.u)))
     most = math.ceil(max(WORK * share_of_work, LEAST_WORK) * duration / step)
-    fastest = float(_frequencies(source).max(initial=0.0))
     if share > 1.0 or flexible:
         return Choice(other, why)
-    if (needed := fastest * duration / STABLE) > most:
+    if (needed := explicit_steps(source, duration)) > most:
+        fastest = needed * STABLE / duration
         return Choice(other, f"event-driven stepping of modes up to {fastest:.3g} rad/s would take {needed:.2g} steps")
     return Choice(_event_driven(), why, other, most)
+
+
+def explicit_steps(source: CompiledScene | UserSystem, duration: float) -> float:
+    """Steps that event-driven stepping takes at least for the fastest mode."""
+    return float(_frequencies(source).max(initial=0.0)) * duration / STABLE
 
 
 def _contacts(source: CompiledScene | UserSystem) -> tuple[float, bool, str]:

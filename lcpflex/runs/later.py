@@ -1,4 +1,5 @@
-"""What is loaded for a run with sensors, one whose stepper is given by its name, and one that is verified."""
+"""What is loaded for a run with sensors, one whose stepper is given by its name, one that is verified, and
+one to a tolerance."""
 
 from __future__ import annotations
 
@@ -7,6 +8,7 @@ from typing import TYPE_CHECKING
 from lcpflex.basics.lazy import attach
 
 if TYPE_CHECKING:
+    from lcpflex.accuracy.tolerance import run_to_tolerance
     from lcpflex.accuracy.verify import is_cheap, verify
     from lcpflex.results.measures import Unmeasured, Window, columns_of, known, measured
     from lcpflex.steppers.event_driven.stepper import EventDriven

@@ -12,7 +12,7 @@ from lcpflex.basics.progress import Progress, tell
 from lcpflex.basics.pulse import beating
 from lcpflex.basics.stopwatch import Budget, Stopwatch
 from lcpflex.checks.wound_springs import wound_spring
-from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
+from lcpflex.errors import LcpflexError, ModelError, SolverError, StepError, in_range, shown
 from lcpflex.jit.background import expecting
 from lcpflex.results.energy_balance import (
     EnergyGrowth,
@@ -70,6 +70,8 @@ def simulate(
     every: float = 60.0,
     budget: float | None = None,
     verify: bool | str = False,
+    tolerance: float | None = None,
+    outputs: Any = None,
 ) -> Result:
     """Advance ``scene`` over ``duration`` [s] with ``stepper``.
 
@@ -122,6 +124,18 @@ def simulate(
         Whether to measure the error of the run by reruns (:meth:`Result.verify`), which take some six times its work
         and call functions of the user again: ``result.error`` holds it then. "auto": where the run is small, by its
         steps, coordinates and contacts, so that the same script says the same words on every machine.
+    tolerance
+        Error that the run may have: of places of the worst point of each body, rotations included, over the largest
+        extent or travel (.01: 1 %); of ``outputs``, where they are given, over their ranges. Method, step and modes are
+        chosen by short runs, all counted, none timed: bodies that the scene reduces (``modes=``), or that were reduced,
+        get as many modes as the tolerance needs, fewer than were given or more. The finest run made is returned, with
+        ``result.error`` and ``result.choice``, which says what was tried and which method of another kind bears it out.
+        A stepper that is given keeps its method, and its step or tolerance is chosen. ``verify`` has nothing to add;
+        ``initial`` keeps the modes; ``checkpoint``, ``budget`` and ``record_problems`` are refused. Ctrl-C ends it
+        without a result.
+    outputs
+        What the tolerance is of: functions of a :class:`Result` by name, names of standard outputs ("trajectory",
+        "motion", "impulses", "peak force", "peak impulse", "energy") or :class:`lcpflex.studies.Output`, as in studies.
 
     Returns
     -------
@@ -135,7 +149,18 @@ def simulate(
         For an argument out of its range, before time is spent.
     StepError
         If a step cannot be made; its ``result`` holds everything up to there.
+    ToleranceError
+        If the tolerance cannot be had, or no method of another kind bears it out, with the reason; its ``result`` is
+        the best run made.
     """
+    if tolerance is not None:
+        checked_verify(verify)
+        unused = {"checkpoint": checkpoint, "budget": budget, "record_problems": record_problems}
+        return later.run_to_tolerance(
+            scene, duration, tolerance, outputs, stepper, record, progress, project, energy_growth, initial, unused
+        )
+    if outputs is not None:
+        raise ModelError(f"outputs: {shown(outputs)} was given without a tolerance, expected None")
     wish = None
     if stepper is None or isinstance(stepper, str):
         from lcpflex.runs.default_stepper import Wish  # which runs of a given stepper do without

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 from lcpflex.basics.lazy import attach
 
 if TYPE_CHECKING:
-    from lcpflex.studies.convergence.distance import graph_distance as graph_distance
+    from lcpflex.accuracy.graph_distance import graph_distance as graph_distance
+    from lcpflex.accuracy.outputs import Output as Output
     from lcpflex.studies.convergence.methods import standard_methods as standard_methods
     from lcpflex.studies.convergence.points import WorkPoint as WorkPoint, WorkPrecision as WorkPrecision
     from lcpflex.studies.convergence.work_precision import work_precision as work_precision
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     )
     from lcpflex.studies.model_order.right_size import right_size as right_size
     from lcpflex.studies.outcome import Outcome as Outcome, Verdict as Verdict
-    from lcpflex.studies.outputs import Output as Output
     from lcpflex.studies.stability_maps.acceleration_level import acceleration_level as acceleration_level
     from lcpflex.studies.stability_maps.chart import outcome_legend as outcome_legend
     from lcpflex.studies.stability_maps.stability_map import StabilityMap as StabilityMap

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from lcpflex.accuracy.outputs import Measured, Output
 from lcpflex.accuracy.refinement import brief, fineness
 from lcpflex.checks.resolution import unresolved
 from lcpflex.errors import LcpflexError, ModelError, StepError
 from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.result import Result
 from lcpflex.runs.simulate import given_up_after
-from lcpflex.studies.outputs import Measured, Output
 
 if TYPE_CHECKING:
     from lcpflex.runs.simulate import Stepper

@@ -42,12 +42,14 @@ class Reduction(Generic[Made]):
         """Whether the body is as its reduction made it: no field of it was replaced."""
         return self.seal == _digest(body)
 
-    def doubled(self, coordinates: int) -> int:
-        """Twice as many modes, at most those of the mesh; of a body of static shapes alone, as many as it has.
+    def scaled(self, factor: float, coordinates: int, least: int = 0) -> int:
+        """So many times as many modes, at most those of the mesh; more than static shapes alone: as many as it has.
 
-        coordinates: how many modal coordinates the body has.
+        coordinates: how many modal coordinates the body has. least: fewer are not made of more.
         """
-        return min(self.most, 2 * self.modes or coordinates)
+        if not self.modes:
+            return min(self.most, coordinates if factor > 1.0 else 0)
+        return min(self.most, max(round(factor * self.modes), min(least, self.modes)))
 
 
 def _digest(body: Any) -> bytes:

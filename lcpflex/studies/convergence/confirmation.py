@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from lcpflex.accuracy.outputs import Output, error_between, has_scale, resolution
 from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
 from lcpflex.studies.chart_style import family_of
 from lcpflex.studies.convergence.equal_times import UNKNOWN, apart_at_equal_times, blur_at_equal_times
-from lcpflex.studies.outputs import Output, error_between, has_scale, resolution
 
 if TYPE_CHECKING:
     from lcpflex.studies.convergence.reference import Reference

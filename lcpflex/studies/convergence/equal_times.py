@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from lcpflex.accuracy.outputs import Measured, Output, coarsened, scale_of_part
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.studies.outputs import Measured, Output, coarsened, scale_of_part
 
 __all__ = ["UNKNOWN", "EqualTimes", "apart_at_equal_times", "blur_at_equal_times", "difference_at_equal_times"]
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from lcpflex.accuracy.outputs import Output
 from lcpflex.accuracy.refinement import brief
 from lcpflex.basics.arguments import flag, one_of, sequence_of
 from lcpflex.basics.whole_file import write_rows
@@ -15,7 +16,6 @@ from lcpflex.errors import in_range
 from lcpflex.studies.convergence.chart import chart
 from lcpflex.studies.convergence.equal_times import UNKNOWN, EqualTimes
 from lcpflex.studies.convergence.words import advice, table
-from lcpflex.studies.outputs import Output
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lcpflex.accuracy.outputs import Measured, Output, Part, as_curves, error_between, has_scale, resolution
 from lcpflex.accuracy.refinement import brief, refined
 from lcpflex.errors import ModelError, shown
 from lcpflex.studies.chart_style import family_of
 from lcpflex.studies.convergence.confirmation import Confirmation, confirmed, settled_apart
 from lcpflex.studies.convergence.equal_times import UNKNOWN, EqualTimes, apart_at_equal_times, blur_at_equal_times
-from lcpflex.studies.outputs import Measured, Output, Part, as_curves, error_between, has_scale, resolution
 from lcpflex.studies.trial import Conditions, Trial, trial
 
 __all__ = ["Reference", "analytic_reference", "converged_reference", "series_reference"]

@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from lcpflex.accuracy.outputs import scale_text
 from lcpflex.results.words import with_unit
 from lcpflex.studies.convergence.equal_times import UNKNOWN
-from lcpflex.studies.outputs import scale_text
 from lcpflex.studies.tables import aligned_table, failed
 
 if TYPE_CHECKING:

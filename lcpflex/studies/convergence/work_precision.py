@@ -24,6 +24,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from lcpflex.accuracy.outputs import (
+    Output,
+    chosen_outputs,
+    error_between,
+    has_scale,
+    resolution,
+    standard_outputs,
+    unscaled,
+)
 from lcpflex.basics.arguments import optional_flag, positive, raised
 from lcpflex.basics.progress import Progress
 from lcpflex.bodies.body import whole_number
@@ -40,15 +49,6 @@ from lcpflex.studies.convergence.reference import (
     with_witnesses,
 )
 from lcpflex.studies.given_functions import is_stepper, series_of
-from lcpflex.studies.outputs import (
-    Output,
-    chosen_outputs,
-    error_between,
-    has_scale,
-    resolution,
-    standard_outputs,
-    unscaled,
-)
 from lcpflex.studies.trial import Conditions, Trial, run_series
 
 if TYPE_CHECKING:

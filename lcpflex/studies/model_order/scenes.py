@@ -7,15 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from lcpflex.basics.arguments import raised, sequence_of
-from lcpflex.bodies.body import Body, FidelityLevel
-from lcpflex.errors import LcpflexError, ModelError, shown
-from lcpflex.results.watched_places import two_places
-from lcpflex.scene.planar_only import refuse_space
-from lcpflex.scene.scene import Scene
-from lcpflex.scene.substitution import settled
-from lcpflex.scene.user_system import UserSystem
-from lcpflex.studies.outputs import (
+from lcpflex.accuracy.outputs import (
     MOST,
     Output,
     Part,
@@ -24,6 +16,14 @@ from lcpflex.studies.outputs import (
     standard_outputs,
     trajectory,
 )
+from lcpflex.basics.arguments import raised, sequence_of
+from lcpflex.bodies.body import Body, FidelityLevel
+from lcpflex.errors import LcpflexError, ModelError, shown
+from lcpflex.results.watched_places import two_places
+from lcpflex.scene.planar_only import refuse_space
+from lcpflex.scene.scene import Scene
+from lcpflex.scene.substitution import settled
+from lcpflex.scene.user_system import UserSystem
 
 if TYPE_CHECKING:
     from lcpflex.results.result import Result

@@ -7,11 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from lcpflex.accuracy.outputs import Output, error_between, is_nothing
 from lcpflex.accuracy.refinement import refined
 from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.studies.model_order.estimate import Sample, cost_of, lacking
 from lcpflex.studies.model_order.scenes import Fidelities, State, as_rich, told, with_level
-from lcpflex.studies.outputs import Output, error_between, is_nothing
 from lcpflex.studies.trial import Conditions, Trial, trial
 
 __all__ = ["Search"]

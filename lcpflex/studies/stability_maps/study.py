@@ -30,6 +30,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.accuracy.outputs import Output
 from lcpflex.basics.arguments import WrongFunction, called, mapping_of, optional_flag, raised
 from lcpflex.basics.names import meant
 from lcpflex.basics.progress import Progress
@@ -39,7 +40,6 @@ from lcpflex.runs.simulate import given_up_after
 from lcpflex.studies.criteria import Criteria
 from lcpflex.studies.given_functions import check_call, checked_axes, instance_of, is_stepper
 from lcpflex.studies.outcome import Outcome, Verdict, judge_error, judge_result
-from lcpflex.studies.outputs import Output
 from lcpflex.studies.stability_maps.stability_map import StabilityMap
 from lcpflex.studies.stability_maps.truth import LIMIT, Truth, find_truth, truth_outputs
 from lcpflex.studies.trial import scene_warnings

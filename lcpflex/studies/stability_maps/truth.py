@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.accuracy.outputs import Measured, Output, chosen_outputs, error_between, is_nothing, scale_of_part
 from lcpflex.accuracy.refinement import brief, refined
 from lcpflex.errors import LcpflexError, ModelError, shown
 from lcpflex.jit.kernel import FloatArray
@@ -17,7 +18,6 @@ from lcpflex.results.result import Result
 from lcpflex.steppers.event_driven.stepper import EventDriven
 from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
 from lcpflex.steppers.moreau_jean.stepper import MoreauJean
-from lcpflex.studies.outputs import Measured, Output, chosen_outputs, error_between, is_nothing, scale_of_part
 from lcpflex.studies.trial import Conditions, Trial, trial
 
 __all__ = ["LIMIT", "Truth", "find_truth", "truth_outputs"]

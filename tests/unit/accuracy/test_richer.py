@@ -137,7 +137,7 @@ def test_solids(options) -> None:
     mesh = bar((4, 1, 1))
     matrices = lf.SpatialMatrices(**mesh, node_sets={"end": np.flatnonzero(mesh["coordinates"][:, 0] == 0.0)})
     body = matrices.reduce(damping=0.01, **options)
-    more = body.reduction.make(body.reduction.doubled(body.modes))
+    more = body.reduction.make(body.reduction.scaled(2.0, body.modes))
     modes = 2 * options["modes"] or body.modes
     same = matrices.reduce(damping=0.01, **{**options, "modes": modes})
     np.testing.assert_array_equal(more.stiffness, same.stiffness)
@@ -159,7 +159,7 @@ def test_meshes(reduce) -> None:
     """More modes of a mesh span the fewer ones: no frequency rises."""
     mesh = plate()
     body = reduce(mesh)
-    more = body.reduction.make(body.reduction.doubled(body.modes))
+    more = body.reduction.make(body.reduction.scaled(2.0, body.modes))
     assert more.modes > body.modes
     lowest = more.frequencies()[: body.modes]
     assert np.all(np.sort(lowest) <= np.sort(body.frequencies()) * (1.0 + 1e-9))
@@ -169,7 +169,7 @@ def test_levels_of_meshes_know_their_reduction() -> None:
     mesh = plate()
     levels = {level.name: level for level in lf.free_interface(mesh, 4, 0.01).fidelity_levels()}
     four = levels["4 modes"].make()
-    eight = four.reduction.make(four.reduction.doubled(four.modes))
+    eight = four.reduction.make(four.reduction.scaled(2.0, four.modes))
     np.testing.assert_array_equal(eight.stiffness, levels["8 modes"].make().stiffness)
     whole = levels["full mesh"].make()
     assert whole.reduction.modes == whole.reduction.most == whole.modes

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
+from lcpflex.accuracy.outputs import Measured, Output, Part
 from lcpflex.studies.convergence.equal_times import apart_at_equal_times
-from lcpflex.studies.outputs import Measured, Output, Part
 
 TIP = Output("tip", lambda result: 0.0)
 

@@ -11,12 +11,12 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
+from lcpflex.accuracy.outputs import Measured, Part, error_between, resolution
 from lcpflex.accuracy.refinement import brief
 from lcpflex.errors import ModelError, StepError
 from lcpflex.studies import Output, WorkPoint, WorkPrecision, work_precision
 from lcpflex.studies.convergence.points import SceneStudy
 from lcpflex.studies.convergence.reference import Reference
-from lcpflex.studies.outputs import Measured, Part, error_between, resolution
 from lcpflex.studies.trial import Trial, in_order, predicted
 from tests.rates import assert_rate
 

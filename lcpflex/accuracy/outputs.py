@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.accuracy.graph_distance import graph_distance
+from lcpflex.accuracy.peaks import NotDefined, peak_force, peak_impulse
 from lcpflex.basics.arguments import numbers, sequence_of, text
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.results.result import Result
 from lcpflex.results.watched_places import two_places
-from lcpflex.studies.convergence.distance import graph_distance
-from lcpflex.studies.peaks import NotDefined, peak_force, peak_impulse
 
 __all__ = [
     "Measured",
