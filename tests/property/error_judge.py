@@ -62,7 +62,7 @@ def _outcome(drawn: Drawn) -> Line:
             return {"outcome": "not verified", "said": f"{refusal}"[:400]}
     reruns: Sequence[Finished] = kept.call_args.args[1]
     line = {"outcome": "judged", "until": until, "speed": drawn.speed}
-    return line | _compared(result, error, reruns, found, until) | _told(result, error, until)
+    return line | _compared(result, error, reruns, found, until) | _told(result, error)
 
 
 def _interval(drawn: Drawn) -> float:
@@ -88,25 +88,33 @@ def _compared(
     bodies = bodies_of(result)
     truth, second = found
     off = differences(result, truth, bodies, window_of(result, [truth]))
+    apart = differences(truth, second, bodies, window_of(truth, [second]))
     window = window_of(result, [one.result for one in reruns])
     far = (off.place + off.turn)[off.times <= until].max(axis=1, initial=0.0)
     passed = np.flatnonzero(far > PARTED * error.extent)
     parts = [(one.told, differences(result, one.result, bodies, window)) for one in reruns]
+    held = min(until, error.horizon)
     return {
         "true": _most(off, result, until),
+        "claimed": _claimed(result, error, until),
+        "apart": _most(apart, result, until),
+        "held": {"true": _most(off, result, held), "claimed": _claimed(result, error, held)},
         "parted": float(off.times[passed[0]]) if len(passed) else None,
         "references": [one.stepper.partition("(")[0] for one in found],
-        "apart": _most(differences(truth, second, bodies, window_of(truth, [second])), result, until),
         "reruns": [[told.what, told.stepper.partition("(")[0], _most(part, result, until)] for told, part in parts],
     }
 
 
-def _told(result: lf.Result, error: MeasuredError, until: float) -> Line:
-    """What the error says, up to the time of the truth."""
+def _claimed(result: lf.Result, error: MeasuredError, until: float) -> Line:
+    """What the error says up to a time."""
     reach = error.up_to(until)
     claimed = [reach.place, reach.turn, reach.speed, error.speed_rms if _whole(result, until) else None]
+    return dict(zip(MEASURES, claimed, strict=True))
+
+
+def _told(result: lf.Result, error: MeasuredError) -> Line:
+    """What the result says of the whole run."""
     return {
-        "claimed": dict(zip(MEASURES, claimed, strict=True)),
         "extent": error.extent,
         "fastest": error.fastest,
         "horizon": error.horizon,

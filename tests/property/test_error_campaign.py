@@ -20,6 +20,7 @@ OFF = {"place": 0.04, "turn": 0.0, "speed": 0.05, "rms": 0.01}
 
 def line(claim: float = 2.0, **changes: Any) -> dict[str, Any]:
     """Of a run that claims so many times its error."""
+    claimed = {name: claim * value for name, value in OFF.items()}
     plain = {
         "dimension": 2,
         "seed": 1,
@@ -34,7 +35,8 @@ def line(claim: float = 2.0, **changes: Any) -> dict[str, Any]:
         "fastest": 1.0,
         "speed": 1.0,
         "true": OFF,
-        "claimed": {name: claim * value for name, value in OFF.items()},
+        "claimed": claimed,
+        "held": {"true": OFF, "claimed": claimed},
         "apart": dict.fromkeys(MEASURES, 1e-6),
         "references": ["EventDriven", "MoreauJean"],
         "reruns": [["a quarter of the step", "MoreauJean", OFF]],
