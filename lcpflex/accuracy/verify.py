@@ -17,7 +17,7 @@ from lcpflex.accuracy.comparison import bodies_of, differences, sizes_of, window
 from lcpflex.accuracy.modes import ModeError, mode_error
 from lcpflex.accuracy.reruns import Finished, checking_runs, stored_interval
 from lcpflex.accuracy.sameness import origin_of, refuse_others
-from lcpflex.basics.arguments import flag
+from lcpflex.basics.arguments import flag, optional_flag
 from lcpflex.basics.progress import Progress
 from lcpflex.errors import ModelError
 from lcpflex.results.measured_error import PARTED, MeasuredError
@@ -45,7 +45,7 @@ def verify(
     """See :meth:`lcpflex.Result.verify`."""
     if len(result.times) < 2 or not (np.isfinite(result.q).all() and np.isfinite(result.u).all()):
         raise ModelError("verify: the result holds no motion of finite numbers; expected one that began, and went well")
-    other = flag("other", other)
+    other, progress = flag("other", other), optional_flag("progress", progress)
     origin = origin_of(result, scene, stepper)
     with Progress(progress, lambda: "running it again, finer and by another method", what="verify", bar=False):
         refuse_others(result, origin)

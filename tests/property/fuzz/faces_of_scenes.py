@@ -311,6 +311,7 @@ def run_faces() -> list[Face]:
         Face("admissible_accelerations", lf.admissible_accelerations, lambda: {"scene": settled}),
         Face("resume", lf.resume, _resumed),
         Face("Result.reaction", lf.Result.reaction, lambda: {"joint": "hinge", "axes": "body"}, jointed_result),
+        Face("Result.verify", lf.Result.verify, lambda: {"other": False}, result),
         Face("Result.section", lf.Result.section, lambda: {"body": "beam"}, flexible_result),
         Face("Result.stress", lf.Result.stress, lambda: {"body": "plate"}, flexible_result),
         Face("StressHistory.at", StressHistory.at, lambda: {"t": 0.0}, lambda: flexible_result().stress("plate")),

@@ -126,7 +126,7 @@ def values_of(value: Any, name: str = "result") -> Iterator[tuple[str, Any]]:
     """All numbers and texts of a result but its timings, by their names."""
     if is_dataclass(value):
         for field in fields(value):
-            if field.name not in (*TIMINGS, "compiled"):
+            if field.name not in (*TIMINGS, "compiled", "origin"):
                 yield from values_of(getattr(value, field.name), f"{name}.{field.name}")
     elif isinstance(value, tuple) and value and is_dataclass(value[0]):
         for k, part in enumerate(value):
