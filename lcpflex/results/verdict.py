@@ -25,12 +25,15 @@ __all__ = ["NOT_TRUSTED", "TRUSTED", "UNVERIFIED", "Verdict", "verdict_of"]
 
 TRUSTED, UNVERIFIED, NOT_TRUSTED = "Trusted", "Unverified", "NOT to be trusted"
 LEVELS = {TRUSTED: 2, UNVERIFIED: 1, NOT_TRUSTED: 0}
-PASSED = "its checks pass (energy balanced, contact problems solved, gaps and joints kept)"
+PASSED = "Its checks pass (energy, contact problems, gaps, joints), which say nothing of that"
+OF_EXTENT = "of the largest extent or travel"
+SHARES = "share a load in more ways than one"  # of a note, see lcpflex.checks.shared_loads
+SHARED = "friction shares loads here in more ways than one: another method may come to another motion at any step"
 LARGE = PARTED  # of the largest speed: an error of that size is none to be trusted within
 BEGUN = 0.1  # of the duration: what parts before holds nowhere
 LEAST = 1e-6  # a smaller share is told as less than that
 LONGEST = 160  # characters of a note on reruns that a sentence has
-LISTED = 4  # contacts whose touches are told
+LISTED = 3  # contacts whose touches are told
 
 
 @dataclass(frozen=True)
@@ -76,17 +79,22 @@ def verdict_of(result: Result) -> Verdict:
         alarms = _parted(result, result.error)
     if alarms:
         return Verdict(NOT_TRUSTED, alarms, numbers, _alarmed(alarms))
-    warned = "; read its warnings" if result.warnings else ""
+    warned = " Read its warnings." if result.warnings else ""
     if result.error is None:
         sentence = (
-            f"{UNVERIFIED}: {PASSED}{warned}; how accurate the steps are is not known, result.verify() measures it "
-            f"({_work(result)} the work of this run)."
+            f"{UNVERIFIED}: how accurate the steps are is not known; result.verify() measures it, for {_work(result)} "
+            f"the work of this run. {PASSED}.{warned}"
         )
         return Verdict(UNVERIFIED, result.warnings, numbers, sentence)
     error = result.error
-    notes = "".join(f"; {shorten(note, LONGEST, placeholder=' ...')}" for note in error.notes)
-    sentence = f"{TRUSTED}{_as_modelled(error)} {_within(result, error)}{notes}{warned}."
-    return Verdict(TRUSTED, (*result.warnings, *error.notes), numbers, sentence)
+    remarks = (*error.notes, *([SHARED] if any(SHARES in note for note in result.notes) else []))
+    told = "".join(f" {_sentence(shorten(note, LONGEST, placeholder=' ...'))}" for note in remarks)
+    sentence = f"{TRUSTED} {_within(result, error)}{told}{warned}"
+    return Verdict(TRUSTED, (*result.warnings, *remarks), numbers, sentence)
+
+
+def _sentence(note: str) -> str:
+    return f"{note[:1].upper()}{note[1:].rstrip('.')}."
 
 
 def _numbers(result: Result) -> Iterator[tuple[str, float]]:
@@ -124,8 +132,8 @@ def _parted(result: Result, error: MeasuredError) -> tuple[Alarm, ...]:
         return ()
     off = max(error.place, error.turn)
     clause = (
-        f"reruns are off by up to {_share(share)} of the largest extent or travel{_metres(result, off)}, and known to "
-        f"be near it up to t = {error.horizon:.6g} s alone{f' ({error.parted})' if error.parted else ''}"
+        f"reruns are off by up to {_share(share)} {OF_EXTENT}{_metres(result, share)}, and near it up to "
+        f"t = {error.horizon:.6g} s alone{f' ({error.parted})' if error.parted else ''}"
     )
     return (Alarm(clause, "accuracy", "", error.horizon, off, FINER),)
 
@@ -135,55 +143,56 @@ def _share(value: float) -> str:
     return f"{_rough(100.0 * value):g} %" if not value < LEAST else f"less than {100.0 * LEAST:g} %"
 
 
-def _metres(result: Result, value: float) -> str:
-    """A length in brackets; of a user's own system it has no unit that is known."""
-    return f" ({with_unit(_rough(value), 'm')})" if result.compiled is not None else ""
-
-
 def _rough(value: float) -> float:
     return float(f"{value:.2g}")
 
 
-def _as_modelled(error: MeasuredError) -> str:
-    """That what follows says nothing of the modes left out, where these matter more."""
-    return ", with the modes that it has," if error.modes is not None and error.modes > error.place else ""
-
-
 def _within(result: Result, error: MeasuredError) -> str:
-    """Up to when reruns bear a result out, and within what."""
-    if error.whole:
-        return f"{_accuracy(result, error)}{_modes(result, error)}{_touches(error)}"
-    reach = error.up_to(error.horizon)
-    share = max(reach.place_share, reach.turn_share)
-    if error.place_share + error.turn_share <= PARTED:
-        ends = "no rerun came farther"
-    else:
-        ends = f"{error.parted or 'the runs part'}: a shorter step, or tighter tolerances, may carry farther"
-    return (
-        f"up to {with_unit(error.horizon, 's')} within {_share(share)} in places"
-        f"{_metres(result, share * error.extent)}; {ends}{_modes(result, error)}{_touches(error)}"
-    )
+    """Up to when reruns bear a result out, and within what: steps and modes together, the larger error first."""
+    until = min(error.horizon, error.modes_horizon)
+    whole = error.whole and math.isinf(error.modes_horizon)
+    reach = error.up_to(until)
+    steps = max(reach.place_share, reach.turn_share)
+    modes = 0.0 if error.modes is None else error.modes / error.extent
+    modes = modes if whole or math.isinf(error.modes_horizon) else PARTED
+    head = "" if whole else f"up to {with_unit(until, 's')} "
+    parts = f": steps {_share(steps)}, modes {_share(modes)}" if error.modes is not None else ""
+    places = f"{head}within {_share(steps + modes)} {OF_EXTENT} in places{_metres(result, steps + modes, parts)}"
+    if whole:
+        return f"{places}, {_velocities(error)}.{_touches(error)}"
+    return f"{places}; {_after(result, error)}.{_touches(error)}"
 
 
-def _accuracy(result: Result, error: MeasuredError) -> str:
-    """Errors of places, and of rotations where they are larger, and of velocities."""
-    turned = f", {_share(error.turn_share)} in rotations" if error.turn_share > error.place_share else ""
-    places = f"within {_share(error.place_share)} in places{_metres(result, error.place)}{turned}"
-    mean = f"{_share(error.speed_rms_share)} on the average with impacts"
+def _metres(result: Result, share: float, parts: str = "") -> str:
+    """A share of the extent as a length, and what it is made of, in brackets; of a user's own system it has no unit."""
+    if result.compiled is None or result.error is None:
+        return f" ({parts[2:]})" if parts else ""
+    return f" ({with_unit(_rough(share * result.error.extent), 'm')}{parts})"
+
+
+def _velocities(error: MeasuredError) -> str:
+    """How far velocities are off, where no impact is near and on the average over all times."""
+    mean = f"{_share(error.speed_rms_share)} on the average of all times"
     if error.speed_share <= LARGE:
-        return f"{places}, {_share(error.speed_share)} in velocities off impacts, {mean}"
-    if error.speed_rms_share <= LARGE:
-        return f"{places}, and in velocities within {mean}, though off by {_share(error.speed_share)} at worst"
-    return f"in places alone, {places}; velocities are off by {_share(error.speed_share)}, {mean}"
+        return f"and {_share(error.speed_share)} of the largest speed in velocities between impacts ({mean})"
+    return f"but velocities are off by up to {_share(error.speed_share)} of the largest between impacts ({mean})"
 
 
-def _modes(result: Result, error: MeasuredError) -> str:
-    """What is known of modes that a run does without."""
-    if error.modes is None:
-        return ""
-    off = f"{_share(error.modes / error.extent)}{_metres(result, error.modes)}"
-    late = f", by more than {_share(PARTED)} from t = {error.modes_horizon:.6g} s on"
-    return f"; for want of more modes places may be off by {off}{late if math.isfinite(error.modes_horizon) else ''}"
+def _after(result: Result, error: MeasuredError) -> str:
+    """What becomes of it after the time up to which it holds, and what to do."""
+    if error.modes_horizon < error.horizon:
+        off = 0.0 if error.modes is None else error.modes / error.extent
+        alone = error.up_to(error.horizon)
+        steps = max(alone.place_share, alone.turn_share)
+        return (
+            f"after that places may be off by {_share(off)}{_metres(result, off)} for want of modes: take more "
+            f"(the steps alone err by {_share(steps)} up to {with_unit(error.horizon, 's')})"
+        )
+    if error.place_share + error.turn_share <= PARTED:
+        return "no rerun came farther"
+    where = error.parted.removesuffix(" the runs part")
+    since = f", {where}," if where and where != error.parted else ""
+    return f"after that{since} the reruns part from the run: a shorter step or tighter tolerances may carry farther"
 
 
 def _touches(error: MeasuredError) -> str:
@@ -191,9 +200,7 @@ def _touches(error: MeasuredError) -> str:
     if not error.touches:
         return ""
     ordered = sorted(error.touches, key=lambda one: len(set(one[1])) == 1)[:LISTED]
-    if len(error.touches) == 1:
-        told = ", ".join(map(str, ordered[0][1]))
-    else:
-        told = "; ".join(f"of {name!r} {', '.join(map(str, counts))}" for name, counts in ordered)
+    told = "; ".join(f"{name!r} {', '.join(map(str, counts))}" for name, counts in ordered)
     more = len(error.touches) - len(ordered)
-    return f"; touches {told}" + (f"; and {more} more contacts" if more > 0 else "")
+    rest = f"; and {more} more contacts" if more > 0 else ""
+    return f" Touches in this run and its reruns: {told}{rest}."

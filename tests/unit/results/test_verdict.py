@@ -19,9 +19,10 @@ from lcpflex.results.measured_error import MeasuredError
 from lcpflex.results.result import Result
 
 UNVERIFIED = (
-    "Unverified: its checks pass (energy balanced, contact problems solved, gaps and joints kept); how accurate the "
-    "steps are is not known, result.verify() measures it (about six times the work of this run)."
+    "Unverified: how accurate the steps are is not known; result.verify() measures it, for about six times the work of "
+    "this run. Its checks pass (energy, contact problems, gaps, joints), which say nothing of that."
 )
+EXTENT = "of the largest extent or travel in places"
 
 
 def measured(place: float = 0.012, turn: float = 0.0, speed: float = 0.03, **other: Any) -> MeasuredError:
@@ -66,48 +67,49 @@ def test_a_run_that_passes_its_checks_is_unverified(run: Result) -> None:
 def test_warnings_are_named_and_change_no_word(run: Result) -> None:
     warned = replace(run, warnings=("a mesh is coarse",))
     assert (warned.verdict.word, warned.verdict.reasons) == ("Unverified", ("a mesh is coarse",))
-    assert "kept); read its warnings; how accurate" in str(warned.verdict)
+    assert str(warned.verdict) == f"{UNVERIFIED} Read its warnings."
     trusted = replace(warned, error=measured())
     assert trusted.verdict.word == "Trusted"
-    assert str(trusted.verdict).endswith("; read its warnings.")
+    assert str(trusted.verdict).endswith(" Read its warnings.")
 
 
 def test_a_measured_error_is_trusted_within_it(run: Result) -> None:
     verdict = replace(run, error=measured()).verdict
     assert (verdict.word, verdict.level) == ("Trusted", 2)
     assert str(verdict) == (
-        "Trusted within 1.2 % in places (600 µm), 3 % in velocities off impacts, 0.4 % on the average with impacts; "
-        "touches 11, 11, 11."
+        f"Trusted within 1.2 % {EXTENT} (600 µm), and 3 % of the largest speed in velocities between impacts (0.4 % on "
+        "the average of all times). Touches in this run and its reruns: 'floor' 11, 11, 11."
     )
     assert verdict.numbers["place"] == pytest.approx(0.012)
     assert verdict.numbers["horizon"] == 0.5
     small = str(replace(run, error=measured(speed=1e-14)).verdict)
-    assert ", less than 0.0001 % in velocities off impacts," in small
+    assert "and less than 0.0001 % of the largest speed in velocities" in small
+
+
+def test_steps_and_modes_are_told_together_the_larger_error_first(run: Result) -> None:
     turned = replace(run, error=measured(turn=0.02, modes=1e-4)).verdict
-    assert "in places (600 µm), 2 % in rotations, 3 % in velocities" in str(turned)
-    assert "; for want of more modes places may be off by 0.2 % (100 µm); touches" in str(turned)
-    assert str(turned).startswith("Trusted within")
+    assert str(turned).startswith(f"Trusted within 2.2 % {EXTENT} (1.1 mm: steps 2 %, modes 0.2 %), and 3 %")
     assert turned.numbers["modes"] == pytest.approx(2e-3)
-    coarse = str(replace(run, error=measured(modes=1e-2)).verdict)
-    assert coarse.startswith("Trusted, with the modes that it has, within 1.2 % in places")
-    assert "; for want of more modes places may be off by 20 % (10 mm); touches" in coarse
     late = str(replace(run, error=measured(modes=1e-2, modes_horizon=0.125)).verdict)
-    assert "off by 20 % (10 mm), by more than 5 % from t = 0.125 s on; touches" in late
+    assert late == (
+        f"Trusted up to 125 ms within 5 % {EXTENT} (2.5 mm: steps less than 0.0001 %, modes 5 %); after that places "
+        "may be off by 20 % (10 mm) for want of modes: take more (the steps alone err by 1.2 % up to 500 ms). Touches in "
+        "this run and its reruns: 'floor' 11, 11, 11."
+    )
 
 
 def test_notes_on_reruns_are_told(run: Result) -> None:
     verdict = replace(run, error=measured(notes=("few instants were compared", "no end " * 50))).verdict
-    assert "; few instants were compared; no end no end" in str(verdict)
-    assert len(str(verdict)) < 400
+    assert " Few instants were compared. No end no end" in str(verdict)
+    assert len(str(verdict)) < 450
     assert verdict.reasons == ("few instants were compared", "no end " * 50)
 
 
 def test_velocities_that_are_far_off_are_not_trusted_with_places(run: Result) -> None:
-    late = str(replace(run, error=measured(speed=0.4)).verdict)
-    assert "and in velocities within 0.4 % on the average with impacts, though off by 40 % at worst" in late
     wrong = str(replace(run, error=measured(speed=0.4, speed_rms=0.2)).verdict)
     assert wrong.startswith(
-        "Trusted in places alone, within 1.2 % in places (600 µm); velocities are off by 40 %, 10 %"
+        f"Trusted within 1.2 % {EXTENT} (600 µm), but velocities are off by up to 40 % of the largest between impacts "
+        "(10 % on the average of all times)."
     )
 
 
@@ -118,13 +120,19 @@ def test_a_run_that_parts_is_trusted_up_to_there(run: Result) -> None:
     error = measured(whole=False, horizon=0.31, parted=parted, place_curve=curve, touches=touches)
     verdict = replace(run, error=error).verdict
     assert str(verdict) == (
-        "Trusted up to 310 ms within 0.2 % in places (100 µm); from touch 2 of 'floor' on the runs part: a shorter "
-        "step, or tighter tolerances, may carry farther; touches of 'floor' 11, 13, 21; of 'wall' 2, 2, 2."
+        f"Trusted up to 310 ms within 0.2 % {EXTENT} (100 µm); after that, from touch 2 of 'floor' on, the reruns part "
+        "from the run: a shorter step or tighter tolerances may carry farther. Touches in this run and its reruns: "
+        "'floor' 11, 13, 21; 'wall' 2, 2, 2."
     )
     assert verdict.numbers["place"] == pytest.approx(0.4)
     early = replace(run, error=measured(0.01, whole=False, horizon=0.31, parted="the runs part")).verdict
-    assert "; no rerun came farther;" in str(early)
+    assert "; no rerun came farther." in str(early)
     assert "part" not in str(early)
+
+
+def test_loads_that_are_shared_in_more_ways_are_told(run: Result) -> None:
+    note = "contacts with friction share a load in more ways than one, as 'a' and 'b'"
+    assert "another method may come to another motion" in str(replace(run, error=measured(), notes=(note,)).verdict)
 
 
 @pytest.mark.parametrize("share", [0.4, np.nan])
@@ -194,11 +202,11 @@ def test_an_alarm_keeps_its_parts(run: Result, tmp_path: Path) -> None:
 def test_a_user_system_has_a_verdict_and_a_heading(bounce: Result) -> None:
     assert str(bounce.verdict) == UNVERIFIED
     assert heading(bounce) == "a system of 1 coordinate; contact floor: MoreauJean, step 0.001 s"
-    assert "Trusted within 1.2 % in places, 3 % in velocities" in str(replace(bounce, error=measured()).verdict)
+    assert f"Trusted within 1.2 % {EXTENT}, and 3 %" in str(replace(bounce, error=measured()).verdict)
 
 
 def test_an_event_driven_run_is_verified_at_less_cost(bounce: Result) -> None:
-    assert "(about twice the work of this run)" in str(replace(bounce, stepper=repr(lf.EventDriven())).verdict)
+    assert "for about twice the work of this run" in str(replace(bounce, stepper=repr(lf.EventDriven())).verdict)
 
 
 def test_many_bodies_and_contacts_are_counted() -> None:
