@@ -93,8 +93,8 @@ def test_steps_and_modes_are_told_together_the_larger_error_first(run: Result) -
     late = str(replace(run, error=measured(modes=1e-2, modes_horizon=0.125)).verdict)
     assert late == (
         f"Trusted up to 125 ms within 5 % {EXTENT} (2.5 mm: steps less than 0.0001 %, modes 5 %); after that places "
-        "may be off by 20 % (10 mm) for want of modes: take more (the steps alone err by 1.2 % up to 500 ms). Touches in "
-        "this run and its reruns: 'floor' 11, 11, 11."
+        "may be off by 20 % (10 mm) for want of modes: take more (the steps alone err by 1.2 % up to 500 ms). "
+        "Touches in this run and its reruns: 'floor' 11, 11, 11."
     )
 
 
