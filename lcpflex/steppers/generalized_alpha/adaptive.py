@@ -36,6 +36,7 @@ def choose_thresholds(scheme: AlphaScheme, alone: bool, stopped: float, rebound:
         scheme.approach = 0.0
         scheme.struck_at = 0.0
         scheme.stopped = 0.0
+        scheme.overrun = 0.0
 
 
 @unmet_share.of(AlphaScheme)
@@ -67,10 +68,13 @@ def judge_step(
     recorder: Recorder,
     kept: Backup,
 ) -> tuple[float, float, float, float]:
-    """An impact in the second half is put at the end by both results: what has sunk by then tells."""
+    """What ends in the second half is put at the end by both results, an impact or a slip: they differ by nothing.
+
+    What has sunk by then tells, and how far the smooth motion has slid on.
+    """
     sunk = closed_pairs(model, scheme.q, scheme.u, 0.0, work, recorder, kept)[0]
     if clock.part != ALONE:
-        error = max(error, max(sunk - clock.deepest, scheme.lifted) / near)
+        error = max(error, max(sunk - clock.deepest, scheme.lifted, scheme.overrun) / near)
     return error, sunk, 0.0, 0.0
 
 

@@ -12,7 +12,7 @@ from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.strike_order import StrikeOrder, strike_order
 from lcpflex.steppers.system import System
 
-__all__ = ["AlphaScheme", "EndForces", "Held", "alpha_scheme", "hold", "larger", "match"]
+__all__ = ["AlphaScheme", "EndForces", "Held", "alpha_scheme", "hold", "larger", "match", "note_overrun"]
 
 RESTART, SMOOTH, POSITION, VELOCITY = 0, 1, 2, 3  # AlphaScheme.phase: what is solved next
 MIXED = 5  # passes that are combined at most
@@ -98,6 +98,7 @@ class AlphaScheme:
     approach: float  # fastest one of a pair that closed [m/s]
     struck_at: float  # how deep it was [m]
     stopped: float  # fastest approach stopped [m/s]
+    overrun: float  # farthest way by which the smooth motion goes on with a slip that has ended [m]
     left: float  # speed of contacts that the last velocity problem was to stop, in space [m/s]
     phase: int  # RESTART, SMOOTH, POSITION or VELOCITY: what is solved next
     turn: int  # passes of the present problem
@@ -184,3 +185,13 @@ def hold(table: ContactTable, k: int, normal: float, mode: int, held: Held) -> N
         held.load[i, part] = 0.0
     held.mode[i] = mode
     held.count = i + 1
+
+
+@kernel
+def note_overrun(scheme: AlphaScheme, back: float, change: float) -> None:
+    """Keep how far a slip went on after its end, by what is taken from its speed and its change in the step [m/s].
+
+    At a steady acceleration it was over for ``back / change`` of the step, at half of that speed in the mean.
+    """
+    if change > 0.0:
+        scheme.overrun = max(scheme.overrun, 0.5 * scheme.step * back * min(1.0, back / change))

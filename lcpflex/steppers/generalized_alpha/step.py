@@ -25,6 +25,7 @@ from lcpflex.steppers.generalized_alpha.memory import (
     SMOOTH,
     VELOCITY,
     AlphaScheme,
+    note_overrun,
 )
 from lcpflex.steppers.generalized_alpha.position import (
     apply_position,
@@ -127,7 +128,8 @@ def broken(work: Workspace, scheme: AlphaScheme) -> bool:
             return True
         if carries:
             kept += 1
-    return kept != scheme.resting.count or slips_anew(work, scheme)
+    anew = slips_anew(work, scheme)
+    return kept != scheme.resting.count or anew
 
 
 @in_space("lcpflex.steppers.spatial.alpha")
@@ -135,13 +137,18 @@ def broken(work: Workspace, scheme: AlphaScheme) -> bool:
 def slips_anew(work: Workspace, scheme: AlphaScheme) -> bool:
     """Whether a contact that slid has come to rest, or slides the other way, at the velocity ``work.free_u``."""
     n_joint, n = work.n_joint, work.n_contacts
+    found = False
     for j in range(work.n_tangents):
         i = scheme.matched[work.tangent[j]]
         if i >= 0 and scheme.resting.mode[i] != STICKING:
-            slip = row_velocity(work.rows, work.row_body, n_joint + n + j, work.dof, work.free_u)
+            r = n_joint + n + j
+            slip = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
             if slip_mode(slip, scheme.velocity_threshold) != scheme.resting.mode[i]:
-                return True
-    return False
+                found = True
+                smooth = row_velocity(work.rows, work.row_body, r, work.dof, scheme.v_new)
+                start = row_velocity(work.rows, work.row_body, r, work.dof, scheme.u)
+                note_overrun(scheme, abs(smooth - slip), abs(smooth - start))
+    return found
 
 
 @in_space("lcpflex.steppers.spatial.alpha")

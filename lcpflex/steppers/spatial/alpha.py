@@ -27,7 +27,7 @@ from lcpflex.kinematics.spatial.vectors import dot
 from lcpflex.solvers.contact.index_sets import SMOOTH as FRICTIONLESS, STICKING
 from lcpflex.solvers.contact.recollection import turn_over
 from lcpflex.steppers.event_driven.memory import copy_entry
-from lcpflex.steppers.generalized_alpha.memory import POSITION, SMOOTH, hold, match
+from lcpflex.steppers.generalized_alpha.memory import POSITION, SMOOTH, hold, match, note_overrun
 from lcpflex.steppers.generalized_alpha.smooth import add_row
 from lcpflex.steppers.island_problems import solve_island, solve_islands
 from lcpflex.steppers.recorder import INSIDE, Recorder
@@ -302,6 +302,7 @@ def speed_left(model: Any, work: SpatialWork, scheme: Any) -> float:
 @kernel
 def slips_anew(work: SpatialWork, scheme: Any) -> bool:
     """Whether a contact that slid has come to rest, or has turned against its slip, at the velocity ``work.free_u``."""
+    found = False
     for k in range(work.n_contacts):
         i, j = scheme.matched[k], work.tangent_of[k]
         if i < 0 or j < 0 or scheme.resting.mode[i] == STICKING:
@@ -310,8 +311,12 @@ def slips_anew(work: SpatialWork, scheme: Any) -> bool:
         first = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
         second = row_velocity(work.rows, work.row_body, r + 1, work.dof, work.free_u)
         x, y = resting_friction(work, scheme, k)
-        if math.hypot(first, second) <= max(scheme.velocity_threshold, 2.0 * scheme.left):
-            return True
-        if first * x + second * y > 0.0:
-            return True
-    return False
+        ended = math.hypot(first, second) <= max(scheme.velocity_threshold, 2.0 * scheme.left)
+        if ended or first * x + second * y > 0.0:
+            found = True
+            a = row_velocity(work.rows, work.row_body, r, work.dof, scheme.v_new)
+            b = row_velocity(work.rows, work.row_body, r + 1, work.dof, scheme.v_new)
+            c = row_velocity(work.rows, work.row_body, r, work.dof, scheme.u)
+            d = row_velocity(work.rows, work.row_body, r + 1, work.dof, scheme.u)
+            note_overrun(scheme, math.hypot(a - first, b - second), math.hypot(a - c, b - d))
+    return found

@@ -186,3 +186,24 @@ def test_generalised_alpha_makes_room_for_more_contacts() -> None:
     result = lf.simulate(gallery.stack(boxes=25), 0.05, controlled_alpha(1e-4))
     assert result.complete
     assert np.abs(result.q[-1] - result.q[0]).max() < 1e-8
+
+
+@pytest.mark.parametrize("space", [False, True])
+def test_slip_that_ends_within_a_step_is_seen_by_generalised_alpha(space: bool) -> None:
+    """Where it ends in the second half of a step, the step and its halves agree, and both have slid on."""
+    longest, tolerance, friction, gravity = 5e-3, 1e-6, 0.6, 9.81
+    control = AdaptiveStep(rtol=tolerance, atol=1e-2 * tolerance, longest=longest)
+    for speed in np.linspace(0.4, 0.4 + friction * gravity * longest, 5):  # ends all over a step
+        scene: Any
+        if space:
+            scene = lf.SpatialScene(gravity=(0.0, 0.0, -gravity))
+            box = scene.add(lf.Cuboid(0.3, 0.2, 0.1, mass=1.0), "box", (0.0, 0.0, 0.05), velocity=(speed, 0.0, 0.0))
+            floor = scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+        else:
+            scene = lf.Scene(gravity=(0.0, -gravity))
+            box = scene.add(lf.Box(0.3, 0.1, mass=1.0), "box", position=(0.0, 0.05), velocity=(speed, 0.0))
+            floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+        scene.contact(box.surface(), floor, friction=friction)
+        result = lf.simulate(scene, 0.12, lf.GeneralizedAlpha(step=longest, adaptive=control))
+        way = 0.5 * speed**2 / (friction * gravity)
+        assert abs(result.q[-1, 0] - way) < 4.0 * tolerance  # of coordinates up to 1: some steps may be off by it
