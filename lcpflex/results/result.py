@@ -279,10 +279,10 @@ class Result(NamesNearest):
 
         With fixed steps of length h, E(t) = 2 max(|x_h - x_h/4|, |x_h - x_other|): nested steps take an impact at the
         same late instant, another method does not. That is an event-driven run where it ends within the work of the
-        steps checked, else the other time stepping with h/4, or the same with h/2. An event-driven run is compared with
-        one of a hundredth of its tolerance, 1.25 times; other error control with a quarter and a sixteenth, twice the
-        larger difference. Where bodies are reduced, one more run has twice as many modes. All that takes about six
-        times the work of the run, and calls functions of the user again.
+        steps checked, else the other time stepping with h/4, or the same with h/2. Time steps with error control are
+        compared with a sixteenth of their tolerance and likewise another method, or a quarter; event-driven runs, and
+        ``Smooth`` ones with a tolerance, with a hundredth of it, 1.25 times. Where bodies are reduced, one more run has
+        twice as many modes. All that takes about six times the work of the run, and calls functions of the user again.
 
         scene, stepper: of a loaded result, whose file keeps no functions and no stepper: those that it was run with.
         other: False takes h/2 in the place of another method, which may need kernels that are not compiled yet: such an
