@@ -20,6 +20,7 @@ from lcpflex.jit.struct import pack
 from lcpflex.kinematics.configuration import difference
 from lcpflex.model.layout import SPACE, dimension, place_offsets
 from lcpflex.results.motion_units import Units, scene_size
+from lcpflex.results.watched_places import gyration
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -51,6 +52,7 @@ BENT = (
 )
 STRAIGHT = 1e-3  # of the way, which velocities that hardly change tell to rounding
 SUDDEN = 0.5  # of the impulse between two instants that the forces at both do not explain: an impact
+SMALLEST = 1e-9  # of the largest number of q: what is smaller is near to the rounding of places
 AT_REST = 1e-4  # of the extent over the duration: slower is at rest, where rounding is as large as the speed
 STILL = 1e-6  # of the largest range of a user's coordinates: a smaller one is rounding
 
@@ -337,13 +339,17 @@ def window_of(result: Result, others: Sequence[Result]) -> float:
 
 
 def sizes_of(result: Result, bodies: Bodies) -> tuple[float, float]:
-    """Largest extent of a body or way of its origin [m], and largest speed of a point [m/s]; of own systems 1."""
-    if bodies.own:
+    """Largest extent of a body or way of its origin [m], and largest speed of a point [m/s]; of own systems 1.
+
+    A body without an outline is as large as its radius of gyration, and nothing is smaller than rounding of places.
+    """
+    if bodies.own or result.compiled is None:
         return 1.0, 1.0
     way = 0.0
     for moved in _ways(result, bodies):
         way = max(way, float(moved.max(initial=0.0)))
-    extent = max(scene_size(result) or 0.0, way, np.finfo(float).tiny)
+    size = scene_size(result) or max(gyration(result.compiled, b) for b in range(len(bodies.names)))
+    extent = max(size, way, SMALLEST * float(np.abs(result.q).max(initial=0.0)), np.finfo(float).tiny)
     span = float(result.times[-1] - result.times[0])
     fastest = float(np.max(sum(bodies.units.parts(result.u)), initial=0.0))
     return extent, max(fastest, AT_REST * extent / span)

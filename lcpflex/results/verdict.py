@@ -167,6 +167,8 @@ def _metres(result: Result, share: float, parts: str = "") -> str:
     """A share of the extent as a length, and what it is made of, in brackets; of a user's own system it has no unit."""
     if result.compiled is None or result.error is None:
         return f" ({parts[2:]})" if parts else ""
+    if share < LEAST and not parts:  # rounding
+        return ""
     return f" ({with_unit(_rough(share * result.error.extent), 'm')}{parts})"
 
 

@@ -262,3 +262,15 @@ def test_modes_are_told_where_they_cannot_be_doubled() -> None:
     assert again.error is not None
     assert again.error.modes is None
     assert "began from the state of another" in again.error.modes_note
+
+
+def test_rounding_of_a_body_at_rest_is_no_error() -> None:
+    """Without an outline, and with a motion of 1e-16 m: shares are of its radius of gyration."""
+    scene = lf.Scene(gravity=(0.0, -GRAVITY))
+    body = scene.add(lf.RigidBody(mass=1.0, inertia=1.0), name="weight", position=(0.1, -GRAVITY / 100.0))
+    scene.load(lf.Spring(body.at(0.0, 0.0), scene.ground.at(0.1, 1.0), stiffness=100.0, length=1.0))
+    result = lf.simulate(scene, 0.2, lf.MoreauJean(step=1e-3), verify=True)
+    assert result.error is not None
+    assert result.error.extent == 1.0
+    assert result.error.whole
+    assert result.verdict.word == "Trusted"
