@@ -78,6 +78,10 @@ def with_enough_modes(
             why = f"{at.modes} modes are off by {errors[-1]:.2g} at most, and the {finer.modes} that tell it are taken"
             return Modes(finer, errors[-1], why, note, (other,))
         if len(errors) > PATIENT and min(errors[-2:]) > STUCK * errors[-1 - PATIENT]:
+            whole = level_of(richer(scene, 2.0**MOST_DOUBLINGS, FEWEST)[0])
+            if whole.coordinates <= MOST_COORDINATES:
+                why = f"doubling modes moves much ({errors[-1]:.2g} by {finer.modes}): all {whole.modes} are taken"
+                return Modes(whole, 0.0, why, note)
             until = trials.agree_until(run, other, SHARE * tolerance / TWICE)
             raise Refused(
                 f"more modes do not bring runs together: {_told(finer, errors)}; they agree up to t = {until:.3g} s",

@@ -11,12 +11,20 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from lcpflex.accuracy.refinement import brief
 from lcpflex.accuracy.trials import MOST_WORK, Level, Made, Trials
+from lcpflex.checks.struck_together import bodies_of_laws
+from lcpflex.compile.touched_pairs import pair_of
 from lcpflex.runs.default_stepper import Wish, explicit_steps
 from lcpflex.runs.named_steppers import kind_named
+
+if TYPE_CHECKING:
+    from lcpflex.jit.kernel import IntArray
+    from lcpflex.results.result import Result
 
 __all__ = ["Refused", "Settled", "first_look", "settled"]
 
@@ -24,8 +32,8 @@ LOOSE, TIGHTER, TIGHTEST = 1e-5, 100.0, 1e-11  # rtol of event-driven runs: the 
 STEPS, FINER = 500, 4  # of the first run of fixed steps, and how many times as many the next one has
 MOST_STEPS = 32_000  # in the duration, after which fixed steps must have come half as near
 MOST_EVENT_DRIVEN = 50_000  # steps and events where no other method counts them out
-STIFF = 5000  # explicit steps that the fastest mode takes, from where on fixed steps are tried alone at first
-LOOKS = ((0.03, 2000), (0.003, 8000))  # fixed steps by which modes are compared, from which tolerance on
+STIFF = 1000  # explicit steps that the fastest mode takes, from where on fixed steps are tried alone at first
+LOOKS = ((0.003, 2000), (0.0003, 8000))  # fixed steps by which modes are compared, from which tolerance on
 GROWN = 8  # times the steps of a tolerance 100 times as loose: it is 2.5 times by the order of the method
 FALLS, FELL = 0.6, 0.8  # of itself, in two refinements running: a distance that goes to zero
 OWN = 1.5  # of the own difference of fixed steps: a distance that is explained by their error
@@ -33,6 +41,7 @@ ELSEWHERE = 0.25  # of the distance: an own difference so small is that of anoth
 STUCK = 0.8  # of the last own difference: what falls no faster does not converge
 TWICE = 2.0  # a difference to another method counts so many times, as in Result.verify
 SHARED = "share a load in more ways than one"  # of notes: forces are not unique
+THREE = 3  # points that carry a body, each its own part
 NO_LONGER = 1000  # steps in the duration at least, of the second look at contacts by force laws
 
 
@@ -286,11 +295,12 @@ class _Settling:
             if len(own) > 1 and max(own[-2:]) <= ELSEWHERE * d:
                 reason = (
                     f"{kind} comes to another motion than event-driven stepping, {d:.2g} from it at any step"
-                    f"{self._agree(fine, run)}"
+                    f"{self._agree(fine, run)}{_doubted(run.result)}"
                 )
                 return _Guard(tuple(runs), d, reason)
             if count >= MOST_STEPS and d > 0.5 * far[0]:
                 reason = f"{kind} at {count} steps is still {d:.2g} from event-driven stepping{self._agree(fine, run)}"
+                reason += _doubted(run.result)
                 return _Guard(tuple(runs), d, reason)
             count *= FINER
 
@@ -361,6 +371,37 @@ class _Guard:
     counts: bool = False  # whether they are within the tolerance
 
 
+def _doubted(result: Result) -> str:
+    """What the run itself says is wrong with it."""
+    found = (*result.found_wrong, *result.warnings)
+    return f"; of itself it says: {str(found[0])[:200]}" if found else ""
+
+
 def _shares(made: Sequence[Made]) -> bool:
-    """Whether forces of a run are not unique, by what it says."""
-    return any(SHARED in note for one in made for note in one.result.notes)
+    """Whether forces of a run are not unique: by what it says, in space also by how many points a body stands on."""
+    return any(SHARED in note for one in made for note in one.result.notes) or any(
+        _stands_on_many(one.result) for one in made
+    )
+
+
+def _stands_on_many(result: Result) -> bool:
+    """Whether a rigid body of space is pressed at more points than three by another one, with friction."""
+    compiled, points = result.compiled, result.contact_points
+    if compiled is None or not compiled.spatial or not len(points.record):
+        return False
+    pressed = (points.normal_force > 0.0) & (np.abs(points.friction_force).max(axis=1) > 0.0)
+    ends = np.sort(_pairs(result)[points.contact[pressed]], axis=1)
+    keys = np.column_stack([points.record[pressed], ends])
+    count = np.unique(keys, axis=0, return_counts=True)[1]
+    return bool((count > THREE).any())
+
+
+def _pairs(result: Result) -> IntArray:
+    """(contacts, 2) bodies of each contact that has touched, those under a rule, too; -1: the ground."""
+    compiled = result.compiled
+    assert compiled is not None
+    declared = bodies_of_laws(compiled.model, len(compiled.layout.contacts))
+    surfaces = np.asarray(compiled.model.contacts.surface_body)
+    under = [pair_of(compiled, name) for name in result.contact_names[len(declared) :]]
+    more = [surfaces[list(pair)] if pair else np.array([-2 - k, -2]) for k, pair in enumerate(under)]
+    return np.concatenate([declared.reshape(-1, 2), np.asarray(more, dtype=np.int64).reshape(-1, 2)])

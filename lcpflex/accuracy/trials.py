@@ -26,11 +26,12 @@ if TYPE_CHECKING:
     from lcpflex.results.result import Result
     from lcpflex.runs.setup import Options
 
-__all__ = ["MOST_WORK", "Level", "Made", "Trials"]
+__all__ = ["MOST_WORK", "START", "STEP_COSTS", "USUAL", "Level", "Made", "Trials"]
 
 # Steps of MoreauJean that take as long as one of another method, or one of its events: medians of 10 scenes of plane
 # and space (.7 to 3.4, and 1.6 to 16 where runs are longer than a hundred steps).
 STEP_COSTS = {"MoreauJean": 1.0, "GeneralizedAlpha": 2.0, "EventDriven": 5.0}
+START = 2000.0  # steps of MoreauJean of few bodies that take as long as a run of any method needs to begin and to end
 USUAL = 25  # coordinates that take as long as all that every step takes however few there are
 MOST_WORK = 1e6  # of all runs, in steps of MoreauJean
 
@@ -116,7 +117,7 @@ class Trials:
 
     def _noted(self, level: Level, stepper: Any, found: Result | None, ended: str) -> int:
         steps, events = (0, 0) if found is None else (found.steps, len(found.events))
-        work = (steps + events) * self.step_cost(level, stepper)
+        work = START + (steps + events) * self.step_cost(level, stepper)
         self.rows.append(RunTrial(brief(stepper), level.modes, steps, events, work, ended=ended))
         return len(self.rows)
 

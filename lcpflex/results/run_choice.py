@@ -26,8 +26,8 @@ class RunTrial:
     steps, events
         Made in all.
     work
-        Steps and events, each times what one costs and in proportion to the coordinates: about the number of steps of
-        ``MoreauJean`` that take as long. Counted, so that it is the same on every machine.
+        Steps and events, each times what one costs and in proportion to the coordinates, and what a run takes to begin:
+        about the number of steps of ``MoreauJean`` that take as long. Counted: the same on every machine.
     difference
         To the run that it was compared with, in the measure of the choice; None where it was compared with none.
     other

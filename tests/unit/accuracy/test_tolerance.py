@@ -172,15 +172,15 @@ class TestFidelity:
     def test_more_where_too_few_were_given(self):
         """A thin beam on a hinge, shaken at its end near its third mode."""
         found = {}
-        for tolerance in (0.1, 0.02, 0.005):
+        for tolerance in (0.1, 0.02):
             scene = lf.Scene(gravity=(0.0, 0.0))
             arm = scene.add(replace(BEAM, thickness=0.001), "arm", (0.0, 0.3), modes=1)
             scene.join(lf.Revolute(arm.point("left"), scene.ground.at(0.0, 0.3), name="hinge"))
             scene.load(lf.Force(arm.point("right"), (0.0, lf.Harmonic(5.0, 400.0))))
-            choice = lf.simulate(scene, 0.2, tolerance=tolerance, progress=False).choice
+            choice = lf.simulate(scene, 0.1, tolerance=tolerance, progress=False).choice
             assert 0.0 < choice.modes < choice.claimed <= tolerance
             found[tolerance] = choice.trials[choice.chosen - 1].modes
-        assert found == {0.1: 2, 0.02: 4, 0.005: 8}
+        assert found == {0.1: 2, 0.02: 4}
 
     def test_bodies_by_hand_stay_as_they_are(self):
         scene = lf.Scene()
