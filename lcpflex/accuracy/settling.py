@@ -322,12 +322,13 @@ class _Settling:
             cross = self.trials.apart(one, other)
             if all(own.values()):
                 best = type(self.pinned).__name__ if self._pinned_steps else min(runs, key=lambda kind: own[kind][-1])
-                claim = max(own[best][-1], TWICE * cross)
-                second = next(made[-1] for kind, made in runs.items() if kind != best)
+                second, longer = next(made[:-3:-1] for kind, made in runs.items() if kind != best)
+                # the other's longer step, too: two that meet on their way to motions of their own bear nothing out
+                against = ((runs[best][-2], 1.0), (second, TWICE), (longer, 1.0))
+                claim = max(factor * self.trials.apart(runs[best][-1], run) for run, factor in against)
                 if claim <= self.tolerance:
                     return Settled(
-                        runs[best][-1], claim, ((runs[best][-2], 1.0), (second, TWICE)),
-                        self._why_fixed(),
+                        runs[best][-1], claim, against, self._why_fixed(),
                         f"{brief(second.stepper)} confirms it within {cross:.2g}",
                     )  # fmt: skip
                 self._refuse(count, own, cross, (runs[best][-1], second))

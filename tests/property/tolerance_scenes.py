@@ -62,13 +62,13 @@ def pulse_of_state() -> Any:
     return pulsed(lambda t, state: 3e4 if 0.3333 < t < 0.33333 else 0.0)
 
 
-def shaken_beam(modes: int, omega: float = 400.0) -> Any:
-    """A thin beam on a hinge, shaken at its end near its third mode."""
+def shaken_beam(modes: int, omega: float = 400.0, force: float = 5.0) -> Any:
+    """A thin beam on a hinge, shaken at its end, near its third mode by default."""
     scene = lf.Scene(gravity=(0.0, 0.0))
     beam = lf.Beam(length=0.5, width=0.02, thickness=0.001, elements=12, **STEEL)
     arm = scene.add(beam, "arm", (0.0, 0.3), modes=modes)
     scene.join(lf.Revolute(arm.point("left"), scene.ground.at(0.0, 0.3), name="hinge"))
-    scene.load(lf.Force(arm.point("right"), (0.0, lf.Harmonic(5.0, omega))))
+    scene.load(lf.Force(arm.point("right"), (0.0, lf.Harmonic(force, omega))))
     return scene
 
 
@@ -222,7 +222,7 @@ SCENES: tuple[Asked, ...] = (
     Asked("break", break_of_discs, 3.0, "trap"),
     Asked("too few modes", lambda: shaken_beam(1), 0.2, "modes"),
     Asked("enough modes", lambda: shaken_beam(8), 0.2, "modes"),
-    Asked("slowly shaken", lambda: shaken_beam(6, 90.0), 0.3, "modes"),
+    Asked("slowly shaken", lambda: shaken_beam(6, 90.0, 0.3), 0.3, "modes"),
     Asked("hung", lambda: hung(4, 0.01, 0.02), 0.1, "modes"),
     Asked("hung thin", lambda: hung(8, 0.003, 0.01), 0.08, "modes"),
     Asked("cantilever", lambda: struck_cantilever(6), 0.12, "modes"),
