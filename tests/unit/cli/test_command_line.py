@@ -169,3 +169,15 @@ def test_demo_writes_picture_chart_and_film(tmp_path: Path, capsys: pytest.Captu
     for name in ("lcpflex-demo.png", "lcpflex-demo.chart.png", "lcpflex-demo.gif"):
         assert (tmp_path / name).stat().st_size > 5000
         assert str(tmp_path / name) in printed
+
+
+def test_run_to_a_tolerance_shows_what_was_tried(scene_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    request = ["run", f"{scene_file}:ball", "--duration", "0.1"]
+    assert main([*request, "--tolerance", "0.05"]) == 0
+    printed = capsys.readouterr().out
+    assert "Trusted within" in printed
+    assert "0.05 asked for" in printed
+    assert main([*request, "--tolerance", "0.05", "--step", "1e-3"]) == 2
+    assert "given with --tolerance" in capsys.readouterr().err
+    assert main([*request, "--tolerance", "2"]) == 2
+    assert "tolerance: 2.0 was given" in capsys.readouterr().err
