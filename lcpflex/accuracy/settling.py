@@ -13,17 +13,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from lcpflex.accuracy.refinement import brief
+from lcpflex.accuracy.shared_forces import shares
 from lcpflex.accuracy.trials import MOST_WORK, Level, Made, Trials
-from lcpflex.checks.struck_together import bodies_of_laws
-from lcpflex.compile.touched_pairs import pair_of
 from lcpflex.runs.default_stepper import Wish, explicit_steps
 from lcpflex.runs.named_steppers import kind_named
 
 if TYPE_CHECKING:
-    from lcpflex.jit.kernel import IntArray
     from lcpflex.results.result import Result
 
 __all__ = ["Refused", "Settled", "first_look", "settled"]
@@ -40,8 +36,7 @@ OWN = 1.5  # of the own difference of fixed steps: a distance that is explained 
 ELSEWHERE = 0.25  # of the distance: an own difference so small is that of another limit
 STUCK = 0.8  # of the last own difference: what falls no faster does not converge
 TWICE = 2.0  # a difference to another method counts so many times, as in Result.verify
-SHARED = "share a load in more ways than one"  # of notes: forces are not unique
-THREE = 3  # points that carry a body, each its own part
+REACH = 8.0  # times the tolerance, from where steps a quarter as long do not come near enough
 NO_LONGER = 1000  # steps in the duration at least, of the second look at contacts by force laws
 
 
@@ -147,15 +142,28 @@ class _Settling:
             return self._fixed()
         first = self._step_run("GeneralizedAlpha", STEPS) or self._step_run("MoreauJean", STEPS)
         if first is None:
-            raise Refused(f"no method of another kind comes to the end: {self._unable()}", coarse, ())
-        d = self.trials.apart(first, coarse)
-        if TWICE * d <= self.tolerance and not _shares((coarse, first)):
-            return Settled(
-                coarse, TWICE * d, ((first, TWICE),), f"{brief(coarse.stepper)} is borne out at once",
-                f"{brief(first.stepper)} confirms it within {d:.2g}",
-            )  # fmt: skip
+            raise Refused(f"no method of another kind comes to the end: {self._unable()}", coarse)
+        if found := self._at_once(coarse, first):
+            return found
         fine, own, before = self._tightened(coarse)
         return self._guarded(fine, own, before, first)
+
+    def _at_once(self, coarse: Made, first: Made) -> Settled | None:
+        """The event-driven run of the loosest tolerance, where a run or two of fixed steps are as near as asked for."""
+        run: Made | None = first
+        for count in (STEPS, FINER * STEPS):
+            run = first if count == STEPS else self._step_run(type(first.stepper).__name__, count)
+            if run is None or shares((coarse, run)):
+                return None
+            d = self.trials.apart(run, coarse)
+            if TWICE * d <= self.tolerance:
+                return Settled(
+                    coarse, TWICE * d, ((run, TWICE),), f"{brief(coarse.stepper)} is borne out at once",
+                    f"{brief(run.stepper)} confirms it within {d:.2g}",
+                )  # fmt: skip
+            if TWICE * d > REACH * self.tolerance:
+                return None
+        return None
 
     def _event_driven(self, rtol: float, before: Made | None = None, **more: Any) -> Made | None:
         """The event-driven run of that tolerance; None where it is not for the scene, or does not come to the end."""
@@ -241,7 +249,7 @@ class _Settling:
         start = type(first.stepper).__name__
         kinds.sort(key=lambda kind: kind != start)
         claim, against, words, failed = own, [(before, TWICE)], [], []
-        shared = _shares((fine, first))
+        shared = shares((fine, first))
         for kind in kinds:
             guard = self._nearing(fine, kind)
             if guard.reason:
@@ -249,7 +257,7 @@ class _Settling:
                 if shared:
                     break
                 continue
-            shared = shared or _shares(guard.runs)
+            shared = shared or shares(guard.runs)
             words.append(guard.words)
             if guard.counts:
                 claim = max(claim, TWICE * guard.distance)
@@ -280,7 +288,8 @@ class _Settling:
         while True:
             run = self._step_run(kind, count)
             if run is None:
-                reason = f"{kind} cannot bear it out: {self._unable()}"
+                until = self._agree(fine, runs[-1]) if runs else ""
+                reason = f"{kind} cannot bear it out: {self._unable()}{until}"
                 return _Guard(tuple(runs), far[-1] if far else math.inf, reason)
             d = self.trials.apart(fine, run)
             far.append(d)
@@ -346,7 +355,7 @@ class _Settling:
         last = [found[-1] for found in own.values()]
         until = self._agree(*made)
         if len(own["MoreauJean"]) > 1 and max(max(found[-2:]) for found in own.values()) <= ELSEWHERE * cross:
-            shared = "; contacts share a load in more ways than one" if _shares(made) else ""
+            shared = "; contacts share a load in more ways than one" if shares(made) else ""
             raise Refused(
                 f"fixed steps of two methods come to motions {cross:.2g} apart{until}{shared}; {TWICE * cross:.2g} is "
                 "the least tolerance to be had",
@@ -376,33 +385,3 @@ def _doubted(result: Result) -> str:
     """What the run itself says is wrong with it."""
     found = (*result.found_wrong, *result.warnings)
     return f"; of itself it says: {str(found[0])[:200]}" if found else ""
-
-
-def _shares(made: Sequence[Made]) -> bool:
-    """Whether forces of a run are not unique: by what it says, in space also by how many points a body stands on."""
-    return any(SHARED in note for one in made for note in one.result.notes) or any(
-        _stands_on_many(one.result) for one in made
-    )
-
-
-def _stands_on_many(result: Result) -> bool:
-    """Whether a rigid body of space is pressed at more points than three by another one, with friction."""
-    compiled, points = result.compiled, result.contact_points
-    if compiled is None or not compiled.spatial or not len(points.record):
-        return False
-    pressed = (points.normal_force > 0.0) & (np.abs(points.friction_force).max(axis=1) > 0.0)
-    ends = np.sort(_pairs(result)[points.contact[pressed]], axis=1)
-    keys = np.column_stack([points.record[pressed], ends])
-    count = np.unique(keys, axis=0, return_counts=True)[1]
-    return bool((count > THREE).any())
-
-
-def _pairs(result: Result) -> IntArray:
-    """(contacts, 2) bodies of each contact that has touched, those under a rule, too; -1: the ground."""
-    compiled = result.compiled
-    assert compiled is not None
-    declared = bodies_of_laws(compiled.model, len(compiled.layout.contacts))
-    surfaces = np.asarray(compiled.model.contacts.surface_body)
-    under = [pair_of(compiled, name) for name in result.contact_names[len(declared) :]]
-    more = [surfaces[list(pair)] if pair else np.array([-2 - k, -2]) for k, pair in enumerate(under)]
-    return np.concatenate([declared.reshape(-1, 2), np.asarray(more, dtype=np.int64).reshape(-1, 2)])
