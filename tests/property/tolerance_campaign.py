@@ -107,7 +107,7 @@ def _truth(asked: Asked, known: dict[str, Any]) -> tuple[lf.Result | None, float
 def _truths(asked: Asked) -> tuple[lf.Result | None, float, str]:
     """The truth, by how much it is unknown, and what it is."""
     scene = asked.build()
-    if asked.kind in ("modes", "trap") and not isinstance(scene, lf.UserSystem):
+    if not isinstance(scene, lf.UserSystem):
         scene = richer(scene, MORE)[0]
     pairs = (
         ("event-driven", [lf.EventDriven(rtol=1e-12), lf.EventDriven(rtol=1e-10)]),
