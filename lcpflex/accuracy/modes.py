@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from lcpflex.accuracy.apart import apart
 from lcpflex.accuracy.comparison import grid_of
-from lcpflex.accuracy.reruns import Finished, rerun
+from lcpflex.accuracy.reruns import Finished, rerun, unsensed
 from lcpflex.accuracy.richer import richer
 from lcpflex.errors import LcpflexError
 from lcpflex.model.layout import dimension
@@ -55,7 +55,7 @@ def mode_error(result: Result, origin: Origin, until: float, interval: float) ->
             words = f"of {', '.join(map(repr, unknown))} no more modes are known" if unknown else ""
             return ModeError(None if unknown else 0.0, words or "all modes of the meshes are there")
         source = compiled_for(scene, origin.stepper, origin.options.project)
-        other: Any = replace(origin, source=source, scene=scene)
+        other = unsensed(replace(origin, source=source, scene=scene))
         found = rerun(other, origin.stepper, "twice as many modes", FACTOR, until, interval, MORE * result.steps)
         if not isinstance(found, Finished):
             return ModeError(None, f"with twice as many modes: {found}")

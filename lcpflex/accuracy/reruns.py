@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from lcpflex.accuracy.refinement import brief, fineness, refined, settled
@@ -16,12 +17,12 @@ from lcpflex.runs.setup import set_up
 from lcpflex.runs.simulate import carry_out
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from lcpflex.results.result import Result
     from lcpflex.runs.origin import Origin
 
-__all__ = ["Finished", "checking_runs", "rerun", "stored_interval"]
+__all__ = ["QUARTER", "Finished", "checking_runs", "rerun", "stored_interval", "unsensed"]
 
 QUARTER, HUNDREDTH = 4.0, 100.0
 FINEST = 1e-11  # rtol of these, below which one of a looser tolerance checks it: rounding is as large
@@ -40,11 +41,18 @@ class Finished:
 
 
 def rerun(
-    origin: Origin, stepper: Any, what: str, factor: float, until: float, interval: float, most: float = math.inf
+    origin: Origin,
+    stepper: Any,
+    what: str,
+    factor: float,
+    until: float,
+    interval: float,
+    most: float = math.inf,
+    seconds: float | None = None,
 ) -> Finished | str:
     """The scene of a run with another stepper, as far as it comes in the ``most`` steps; why it came to nothing.
 
-    Raises KeyboardInterrupt where it was interrupted.
+    seconds: of computing, after which it ends where it is. Raises KeyboardInterrupt where it was interrupted.
     """
     look()
     options = replace(
@@ -52,7 +60,7 @@ def rerun(
     )
     ended = ""
     try:
-        found = carry_out(set_up(replace(origin.source, sensors=()), stepper, options, None), False, most=most)
+        found = carry_out(set_up(origin.source, stepper, options, None), False, budget=seconds, most=most)
         if not found.complete:
             if found.message.startswith("interrupted"):
                 raise KeyboardInterrupt
@@ -69,22 +77,60 @@ def rerun(
     return Finished(told, found)
 
 
-def checking_runs(result: Result, origin: Origin, other: bool = True) -> Iterator[Finished | str]:
-    """The reruns that check a run: two with steps, or tolerances, and one of an event-driven run.
+def unsensed(origin: Origin) -> Origin:
+    """The same without its sensors, which a comparison of motions does not read."""
+    return replace(origin, source=replace(origin.source, sensors=()))
 
-    other: whether another method may be one of them.
+
+def checking_runs(
+    origin: Origin,
+    until: float,
+    steps: int,
+    other: bool = True,
+    seconds: float | None = None,
+    enough: int = ENOUGH,
+) -> Iterator[Finished | str]:
+    """The reruns that check a run, the surest first: two with steps, or tolerances, and one of an event-driven run.
+
+    Each is made when it is asked for.
+
+    Parameters
+    ----------
+    origin
+        What the run came from.
+    until, steps
+        How far it came [s], and in how many steps.
+    other
+        Whether another method may be one of them.
+    seconds
+        Of computing, after which each of them ends where it is; any by default.
+    enough
+        Steps that an event-driven run may take in any case; else as many as cost less than a quarter of the step.
     """
-    until = float(result.times[-1])
-    stepper = settled(origin.stepper, until / max(1, result.steps))
+    stepper = settled(origin.stepper, until / max(1, steps))
     origin, kind = replace(origin, stepper=stepper), fineness(stepper)
     if kind is None:
         raise ModelError(f"verify: {brief(stepper)} has neither a step nor a tolerance to be made finer by")
-    interval = stored_interval(origin)
-    if kind[0] == "rtol":
-        yield from _of_tolerance(result, origin, until, interval, other)
+    controlled, interval = kind[0] == "rtol", stored_interval(origin)
+    high = controlled and type(stepper).__name__ in HIGH_ORDER
+    if controlled and not high:
+        interval /= BETWEEN
+    again = partial(rerun, origin, until=until, interval=interval, seconds=seconds)
+    if high and kind[1] < FINEST:
+        yield again(refined(stepper, 1.0 / HUNDREDTH), "a hundred times the tolerance", 1.0)
         return
-    yield rerun(origin, refined(stepper, QUARTER), "a quarter of the step", 2.0, until, interval)
-    yield _second_opinion(result, origin, until, interval, other)
+    if high:
+        yield again(refined(stepper, HUNDREDTH), "a hundredth of the tolerance", 1.25)
+        return
+    finest, last = (
+        ("a sixteenth of the tolerance", "a quarter of the tolerance")
+        if controlled
+        else ("a quarter of the step", "half the step")
+    )
+    yield again(refined(stepper, QUARTER**2 if controlled else QUARTER), finest, 2.0)
+    most = max(enough, QUARTER * steps / CALLS)
+    found = _another_method(again, _others(origin, until), most) if other else None
+    yield found or again(refined(stepper, QUARTER if controlled else 2.0), last, 2.0)
 
 
 def stored_interval(origin: Origin) -> float:
@@ -95,39 +141,14 @@ def stored_interval(origin: Origin) -> float:
     return max(1, round(asked / kind[1])) * kind[1] if asked > 0.0 else kind[1]
 
 
-def _of_tolerance(
-    result: Result, origin: Origin, until: float, interval: float, other: bool
-) -> Iterator[Finished | str]:
-    stepper = origin.stepper
-    if type(stepper).__name__ in HIGH_ORDER:
-        if (kind := fineness(stepper)) is not None and kind[1] < FINEST:
-            yield rerun(
-                origin, refined(stepper, 1.0 / HUNDREDTH), "a hundred times the tolerance", 1.0, until, interval
-            )
-        else:
-            yield rerun(origin, refined(stepper, HUNDREDTH), "a hundredth of the tolerance", 1.25, until, interval)
-        return
-    sixteenth = refined(stepper, QUARTER * QUARTER)
-    yield rerun(origin, sixteenth, "a sixteenth of the tolerance", 2.0, until, interval / BETWEEN)
-    yield _second_opinion(result, origin, until, interval / BETWEEN, other)
-
-
-def _second_opinion(result: Result, origin: Origin, until: float, interval: float, asked: bool) -> Finished | str:
-    """Another method where there is one for the scene and it comes to the end, else the same, a little finer."""
-    most = max(ENOUGH, QUARTER * result.steps / CALLS)
-    for other in _others(origin, until) if asked else ():
+def _another_method(again: Callable[..., Finished | str], others: Sequence[Any], most: float) -> Finished | None:
+    """The first of other methods that comes to the end, event-driven in ``most`` steps; None where none does."""
+    for other in others:
         limit = most if type(other).__name__ == "EventDriven" else math.inf
-        found = rerun(origin, other, "another method", 2.0, until, interval, limit)
+        found = again(other, "another method", 2.0, most=limit)
         if isinstance(found, Finished) and not found.told.ended:
             return found
-    if _controlled(origin.stepper):
-        return rerun(origin, refined(origin.stepper, QUARTER), "a quarter of the tolerance", 2.0, until, interval)
-    return rerun(origin, refined(origin.stepper, 2.0), "half the step", 2.0, until, interval)
-
-
-def _controlled(stepper: Any) -> bool:
-    found = fineness(stepper)
-    return found is not None and found[0] == "rtol"
+    return None
 
 
 def _others(origin: Origin, until: float) -> list[Any]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from lcpflex.accuracy.comparison import bodies_of, differences, sizes_of, window_of
 from lcpflex.accuracy.modes import ModeError, mode_error
-from lcpflex.accuracy.reruns import Finished, checking_runs, stored_interval
+from lcpflex.accuracy.reruns import Finished, checking_runs, stored_interval, unsensed
 from lcpflex.accuracy.sameness import origin_of, refuse_others
 from lcpflex.basics.arguments import flag, optional_flag
 from lcpflex.basics.progress import Progress
@@ -49,7 +49,7 @@ def verify(
     origin = origin_of(result, scene, stepper)
     with Progress(progress, lambda: "running it again, finer and by another method", what="verify", bar=False):
         refuse_others(result, origin)
-        found = list(checking_runs(result, origin, other))
+        found = list(checking_runs(unsensed(origin), float(result.times[-1]), result.steps, other))
         modes = mode_error(result, origin, float(result.times[-1]), stored_interval(origin))
     reruns = [one for one in found if isinstance(one, Finished)]
     if not reruns:

@@ -25,7 +25,7 @@ def add_right_size(commands: Any, load: Loader = scene_named) -> None:
         help="the smallest bodies that will do: rigid, a few modes, or the full mesh",
         description="Climb from rigid bodies to full meshes until the outputs are within a tolerance of those of the "
         "full mesh; say which modes that takes, how far off it is, and what it saves. Exit code 1 if nothing is "
-        "promised to be within the tolerance: because nothing is, or because half the step or richer bodies say no.",
+        "promised to be within the tolerance: because nothing is, or because the steps or richer bodies say no.",
     )
     command.add_argument("scene", metavar="SCENE", help="a name from `lcpflex gallery`, or file.py:function")
     command.add_argument("--tolerance", type=float, default=TOLERANCE, metavar="RATIO",

@@ -18,6 +18,7 @@ from lcpflex.results.result import Result
 from lcpflex.runs.simulate import given_up_after
 
 if TYPE_CHECKING:
+    from lcpflex.runs.origin import Origin
     from lcpflex.runs.simulate import Stepper
 
 __all__ = [
@@ -26,8 +27,10 @@ __all__ = [
     "Conditions",
     "Series",
     "Trial",
+    "assessed",
     "in_order",
     "is_paradox",
+    "patience",
     "predicted",
     "run_series",
     "scene_warnings",
@@ -65,6 +68,7 @@ class Trial:
     refused: bool = False  # before time was spent: it does not apply
     duration: float = math.nan  # [s]
     thinned: bool = False  # instants were stored by the clock, not one for each step
+    origin: Origin | None = None  # by which it can be run again
 
     @property
     def complete(self) -> bool:
@@ -89,16 +93,29 @@ def trial(conditions: Conditions, stepper: Stepper, repeats: int | None = None) 
     except (LcpflexError, ArithmeticError, np.linalg.LinAlgError) as error:
         return Trial(stepper, failure=f"{type(error).__name__}: {error}")
     measured, failure = _measured(conditions, first)
+    origin = first.origin
     thinned = _thinned(first, conditions.duration / conditions.instants)
     if failure:
-        return Trial(stepper, first.steps, (first.wall_time,), measured, failure, False, conditions.duration, thinned)
+        once = (first.wall_time,)
+        return Trial(stepper, first.steps, once, measured, failure, False, conditions.duration, thinned, origin)
     times = [first.wall_time]
     if repeats and first.wall_time <= conditions.limit:
         times = [_run(conditions, stepper, None).wall_time]
         while len(times) < repeats and sum(times) < conditions.limit:  # long runs need no median of many
             times.append(_run(conditions, stepper, None).wall_time)
     told = "; ".join(_distrust(first))
-    return Trial(stepper, first.steps, tuple(times), measured, told, False, conditions.duration, thinned)
+    return Trial(stepper, first.steps, tuple(times), measured, told, False, conditions.duration, thinned, origin)
+
+
+def assessed(conditions: Conditions, result: Result) -> tuple[dict[str, Measured] | None, str]:
+    """The outputs of a result, and why they cannot be trusted."""
+    measured, failure = _measured(conditions, result)
+    return measured, failure or "; ".join(_distrust(result))
+
+
+def patience(conditions: Conditions) -> float:
+    """Seconds of computing after which a run is ended, whatever was predicted."""
+    return PATIENCE * conditions.limit
 
 
 def _thinned(result: Result, interval: float) -> bool:
@@ -139,8 +156,8 @@ def _measured(conditions: Conditions, result: Result) -> tuple[dict[str, Measure
 
 
 def _run(conditions: Conditions, stepper: Any, record: float | None) -> Result:
-    seconds = PATIENCE * conditions.limit
-    result = given_up_after(seconds, conditions.build(), conditions.duration, stepper, record, conditions.energy_growth)
+    seconds, growth = patience(conditions), conditions.energy_growth
+    result = given_up_after(seconds, conditions.build(), conditions.duration, stepper, record, growth)
     if not result.complete and result.message.startswith("interrupted"):
         raise KeyboardInterrupt
     return result

@@ -280,22 +280,22 @@ def test_no_level_is_promised_where_the_step_decides(step: float, tolerance: flo
     assert max(found.step_error, found.reference_step_error) > tolerance or not found.proved
     assert "is needed" not in found.sentence()
     if found.proved:
-        assert found.sentence().startswith("Nothing is promised: half the step changes the outputs by ")
-        assert "at this tolerance the step decides more than the bodies do" in found.sentence()
+        assert found.sentence().startswith("Nothing is promised: the steps leave an error of ")
+        assert "at this tolerance they decide more than the bodies do" in found.sentence()
 
 
-def test_the_half_step_of_what_is_compared_with_counts_as_well(good: RightSize) -> None:
+def test_the_steps_of_what_is_compared_with_count_as_well(good: RightSize) -> None:
     """A few modes may not care for the step where the full mesh does."""
     moved = replace(good, reference_step_error=0.087)
     assert not moved.within
-    assert "half the step changes the outputs by 8.7 % with full mesh for the bar" in moved.sentence()
+    assert "the steps leave an error of 8.7 % with full mesh for the bar, by reruns" in moved.sentence()
 
 
-def test_a_half_step_that_was_not_run_is_said(good: RightSize) -> None:
-    missing = "half the step was not run with bar: full mesh (about 80 s, limit 60 s)"
+def test_steps_of_an_unknown_error_are_said(good: RightSize) -> None:
+    missing = "the error of the steps is not known with bar: full mesh (about 80 s, limit 60 s)"
     unknown = replace(good, reference_step_error=math.nan, unmeasured=missing)
-    assert f"But {missing}: the error of the step is not known there" in unknown.sentence()
-    assert "Half the step was not run with bar: full mesh" in unknown.table()
+    assert f"But {missing}: that error adds to this." in unknown.sentence()
+    assert "The error of the steps is not known with bar: full mesh" in unknown.table()
 
 
 def test_a_run_that_ends_before_the_impact_promises_no_impulse() -> None:

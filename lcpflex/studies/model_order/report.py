@@ -106,14 +106,16 @@ class RightSize:
     full, full_was_run
         Wall time of a run of the full mesh [s], measured or predicted; NaN where the levels do not reach it.
     step_error, reference_step_error
-        Change of the outputs with half the step, which no choice of bodies can take away: of the choice, and of the run
-        that all others are compared with; NaN where it was not run.
+        Of the outputs, by reruns of the choice, and of that which all others are compared with: no choice of bodies can
+        take it away; NaN where it is not known.
+    reruns, reference_reruns
+        By which these errors are known: "a quarter of the step", "another method".
     better
         A stepper with which rich bodies can be trusted, where they cannot with the one that was given.
     exhausted
         Whether cheaper bodies that would do may have been left out, as to look for them would have cost too much.
     unmeasured
-        Which runs with half the step were not made, and why; empty if all were.
+        Of which of these the error of the steps is not known, and why; empty where it is of both.
     contradictions
         Why nothing is promised although the choice is within the tolerance, beside errors of the step: richer bodies
         that are not, or cannot be trusted, an output that is zero, vibrations that the step cannot show.
@@ -138,6 +140,8 @@ class RightSize:
     full_was_run: bool
     step_error: float = math.nan
     reference_step_error: float = math.nan
+    reruns: tuple[str, ...] = ()
+    reference_reruns: tuple[str, ...] = ()
     better: Any = None
     exhausted: bool = False
     unmeasured: str = ""
@@ -177,8 +181,8 @@ class RightSize:
 
     def _step_reason(self, bodies: str, error: float) -> str:
         return (
-            f"half the step changes the outputs by {_percent(error)} with {bodies}: at this tolerance the step decides "
-            "more than the bodies do; shorten it, or allow more"
+            f"the steps leave an error of {_percent(error)} with {bodies}, by reruns: at this tolerance they decide "
+            "more than the bodies do; make them finer, or allow more"
         )
 
     def sentence(self) -> str:
@@ -190,9 +194,9 @@ class RightSize:
             said.append(f"With this step alone: {self._unpromised()}")
         adds = max((e for e in (self.step_error, self.reference_step_error) if math.isfinite(e)), default=0.0)
         if self.within and adds > NOTABLE * self.tolerance:
-            said.append(f"Half the step changes the outputs by {_percent(adds)}, which adds to this.")
+            said.append(f"The steps leave an error of {_percent(adds)}, by reruns, which adds to this.")
         if self.chosen is not None and self.unmeasured and not reasons:
-            said.append(f"But {self.unmeasured}: the error of the step is not known there, and adds to this.")
+            said.append(f"But {self.unmeasured}: that error adds to this.")
         if self.better is not None:
             said.append(
                 f"Richer bodies cannot be trusted with {brief(self.stepper)}, but with {brief(self.better)}: use that, "
@@ -260,10 +264,10 @@ class RightSize:
             full = any(run.reference and run.full for run in self.runs)
             more = "" if full else ", and by what that one still lacks, extrapolated"
             lines.append(f"Errors: by the difference to {_listed(self.reference)}{more}.")
-        for error, bodies in self._half_steps():
+        for error, bodies, reruns in self._step_errors():
             lines.append(
-                f"Half the step changes the outputs by {_percent(error)} with {bodies}: that error is not one of "
-                "the bodies, and adds to theirs."
+                f"The steps leave an error of {_percent(error)} with {bodies}, by reruns ({' and '.join(reruns)}): it "
+                "is not one of the bodies, and adds to theirs."
             )
         if self.unmeasured:
             lines.append(f"{self.unmeasured[0].upper()}{self.unmeasured[1:]}.")
@@ -284,12 +288,12 @@ class RightSize:
             lines.append("Interrupted: this is what had been measured.")
         return "  \n".join(lines)
 
-    def _half_steps(self) -> list[tuple[float, str]]:
-        """What half the step changed, and of which bodies."""
-        found = [(self.step_error, _listed(self.levels))]
+    def _step_errors(self) -> list[tuple[float, str, tuple[str, ...]]]:
+        """The errors that the steps leave, of which bodies, and by which reruns they are known."""
+        found = [(self.step_error, _listed(self.levels), self.reruns)]
         if self.chosen is None or not self.chosen.reference:
-            found.append((self.reference_step_error, _listed(self.reference)))
-        return [(error, bodies) for error, bodies in found if math.isfinite(error)]
+            found.append((self.reference_step_error, _listed(self.reference), self.reference_reruns))
+        return [one for one in found if math.isfinite(one[0])]
 
     def csv(self, path: str | os.PathLike[str]) -> None:
         """Write every run to a CSV file. Raises ModelError where it cannot be written.

@@ -25,7 +25,7 @@ from lcpflex.studies.model_order.estimate import left_at, trend_of
 from lcpflex.studies.model_order.report import FidelityRun, NextLevel, RightSize
 from lcpflex.studies.model_order.scenes import FULL, Fidelities, State, comparable, of_scene
 from lcpflex.studies.model_order.search import Search
-from lcpflex.studies.model_order.steps import HalfSteps, half_steps
+from lcpflex.studies.model_order.steps import StepErrors, step_errors
 from lcpflex.studies.model_order.verdict import contradictions, remedy
 
 __all__ = ["right_size"]
@@ -57,13 +57,15 @@ def right_size(
     the bodies climb: only those whose refinement changes the outputs, each until the estimate is within the tolerance.
     The full mesh itself is that run where this is expected to take no longer than the three rich runs which it takes to
     do without; else it is run only where nothing below is proved to be good enough. For one to three bodies all runs
-    together took as long as two to five of the full mesh, and with half the step as four to eight
+    together took as long as two to five of the full mesh, and with the reruns below as six to twelve
     (``tests/unit/studies/test_right_size_scenes.py``).
 
     All levels are run with the same step, so that their differences measure the model and not the step. What the step
-    does is measured by one more run with half of it, of the scene that was found, and one of that which all others are
-    compared with. Nothing is promised where one of these changes by more than the tolerance, where richer bodies were
-    off, where rich ones cannot be trusted, or where an output is zero; what was not run is said.
+    does is measured as :meth:`Result.verify` does it: twice the largest difference of the outputs to reruns with a
+    quarter of the step and by another method, of the scene that was found, and of that which all others are compared
+    with; where another method would cost too much by the counted work, to the first of them alone. Nothing is promised
+    where one of these errors is above the tolerance, where richer bodies were off, where rich ones cannot be trusted,
+    or where an output is zero; what was not run is said.
 
     Parameters
     ----------
@@ -83,8 +85,8 @@ def right_size(
         trusted with it, one with which they can is looked for and named. By default the one of the case; without one,
         or if the result with rich bodies warns, ``GeneralizedAlpha``, which damps modes too fast for its step, with
         the smaller of a 2000th of the duration and a 2000th of the longest period of the stiffest body, then a quarter
-        of that step and again of it, also if half the step changes the outputs by more than the tolerance and runs are
-        quick; but at most 500 000 steps.
+        of that step and again of it, also if that leaves an error above the tolerance and runs are quick; but at most
+        500 000 steps.
     limit
         Wall time [s] of a run: what is predicted to take longer is not run.
     verify
@@ -125,37 +127,39 @@ def right_size(
             quick = QUICK * limit / SHORTER if k >= own and not last else None
             search = Search(fidelities, used, tolerance, span, make, limit, verify, not last, quick, bar.update)
             others = [] if stepper is None else _defaults(fidelities, span)
-            found, halves, better, complete = _measured(search, others)
+            found, steps, better, complete = _measured(search, others)
             spent += search.spent
             used_step = brief(make(fidelities.scene))
             if last or not complete:
                 break
             if search.untrusted:
                 given_up += [f"{used_step} was given up: {note}" for note in search.notes]
-            elif k >= own and halves.largest > tolerance and SHORTER * search.cost(fidelities.top) < QUICK * limit:
+            elif k >= own and steps.largest > tolerance and SHORTER * search.cost(fidelities.top) < QUICK * limit:
                 given_up.append(
-                    f"{used_step} was given up: half the step changes the outputs by {100.0 * halves.largest:.2g} %"
+                    f"{used_step} was given up: its steps leave an error of {100.0 * steps.largest:.2g} %, by reruns"
                 )
             else:
                 break
     search.notes[:0] = given_up
-    return replace(_report(search, found, halves, spent, complete), better=better)
+    return replace(_report(search, found, steps, spent, complete), better=better)
 
 
-def _measured(search: Search, others: Sequence[Callable[[Any], Any]]) -> tuple[State | None, HalfSteps, Any, bool]:
-    """What was found, what half the step changes of it, a better one of other steppers, and whether Ctrl-C was not."""
-    found, halves = None, HalfSteps()
+def _measured(search: Search, others: Sequence[Callable[[Any], Any]]) -> tuple[State | None, StepErrors, Any, bool]:
+    """What was found, the errors of its steps, a better one of other steppers, and whether Ctrl-C was not."""
+    found, steps = None, StepErrors()
     try:
         found = search.find()
         if found is not None:
-            halves = half_steps(search, found)
-        elif search.coarse > search.tolerance:  # the search ended there: a shorter step is to come
-            halves = HalfSteps(search.coarse)
-        return found, halves, remedy(search, others), True
+            steps = step_errors(search, found)
+        elif (
+            search.coarse is not None and search.coarse.largest > search.tolerance
+        ):  # the search ended there: a shorter step is to come
+            steps = StepErrors(search.coarse)
+        return found, steps, remedy(search, others), True
     except KeyboardInterrupt:
         if not search.trials:
             raise
-        return found, halves, None, False
+        return found, steps, None, False
 
 
 def _attempts(fidelities: Fidelities, duration: float, own: Any, given: Any) -> tuple[list[Callable[[Any], Any]], int]:
@@ -199,7 +203,7 @@ def _stepper(given: Any) -> Callable[[Any], Any]:
     return made
 
 
-def _report(search: Search, found: State | None, halves: HalfSteps, spent: float, complete: bool) -> RightSize:
+def _report(search: Search, found: State | None, steps: StepErrors, spent: float, complete: bool) -> RightSize:
     fidelities = search.fidelities
     runs = tuple(
         _run(search, state, found) for state in sorted(search.trials, key=lambda s: (fidelities.coordinates(s), s))
@@ -221,10 +225,12 @@ def _report(search: Search, found: State | None, halves: HalfSteps, spent: float
         spent=spent,
         full=search.cost(top) if whole else math.nan,
         full_was_run=whole and top in search.trials and search.trials[top].complete,
-        step_error=halves.own,
-        reference_step_error=halves.reference,
+        step_error=steps.own.largest,
+        reference_step_error=steps.reference.largest,
+        reruns=tuple(one.what for one in steps.own.reruns),
+        reference_reruns=tuple(one.what for one in steps.reference.reruns),
         exhausted=search.exhausted,
-        unmeasured=halves.missing,
+        unmeasured=steps.missing,
         contradictions=tuple(contradictions(search, found)),
         notes=tuple(search.notes),
         complete=complete,

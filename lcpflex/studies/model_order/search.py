@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from lcpflex.accuracy.outputs import Output, error_between, is_nothing
-from lcpflex.accuracy.refinement import refined
+from lcpflex.accuracy.reruns import QUARTER
 from lcpflex.results.energy_balance import EnergyGrowth
+from lcpflex.studies.claims import Claim, claim
 from lcpflex.studies.model_order.estimate import Sample, cost_of, lacking
 from lcpflex.studies.model_order.scenes import Fidelities, State, as_rich, told, with_level
 from lcpflex.studies.trial import Conditions, Trial, trial
@@ -25,7 +26,7 @@ PATIENT = 2  # rich runs that fail before one is taken that is known not to
 WITNESSES = 2
 DOUBT = 3.0  # what the reference lacks itself is extrapolated: within the tolerance even if it is so many times that
 BUDGET = 4.0  # runs of the full mesh that are spent at most on looking for something still cheaper
-MOST = 5.0  # with a run of few modes and half the step, but without the others of half the step
+MOST = 5.0  # with a run of few modes and a quarter of the step, but without the other reruns
 SHORT = 0.5  # [s]: of what takes less the clock says little
 STEADY = 1.5  # factor by which the number of steps may grow from rigid to few modes where modes do not shorten them
 USUAL = 25  # coordinates that take as long as all that every step takes however few there are
@@ -52,7 +53,7 @@ class Search:
     needing: tuple[int, ...] = ()  # bodies whose refinement changes the outputs
     changes: dict[int, float] = field(default_factory=dict)  # by how much
     untrusted: bool = False  # a rich run failed
-    coarse: float = 0.0  # what half the step changes, if that was asked for first
+    coarse: Claim | None = None  # the error of the steps, where that was asked for first
     exhausted: bool = False  # the climb was ended to save cost
     spent: float = 0.0  # [s]
     notes: list[str] = field(default_factory=list)
@@ -68,12 +69,20 @@ class Search:
 
     def trial(self, state: State, stepper: Any) -> Trial:
         """A run of a state with any stepper, which counts as time spent."""
-        conditions = Conditions(
-            lambda: self.fidelities.at(state), self.duration, self.outputs, INSTANTS, 0, self.limit, EnergyGrowth.WARN
-        )
-        found = trial(conditions, stepper)
+        found = trial(self._conditions(state), stepper)
         self.spent += sum(found.times)
         return found
+
+    def claim(self, state: State, outputs: tuple[Output, ...], most: int) -> Claim:
+        """The error that the steps leave in a state, by so many reruns at most, which count as time spent."""
+        found = claim(self._conditions(state), self.trials[state], outputs, self.tolerance, most)
+        self.spent += found.seconds
+        return found
+
+    def _conditions(self, state: State) -> Conditions:
+        return Conditions(
+            lambda: self.fidelities.at(state), self.duration, self.outputs, INSTANTS, 0, self.limit, EnergyGrowth.WARN
+        )
 
     def sound(self, state: State) -> bool:
         """Whether the run of a state was made and can be trusted."""
@@ -183,8 +192,8 @@ class Search:
         )
         self.run(middle)
         if self.quick is not None and self.cost(top) < self.quick and self.sound(middle):
-            self.coarse = self.half_step(middle, self.outputs)
-            if self.coarse > self.tolerance:
+            self.coarse = self.claim(middle, self.outputs, 1)
+            if self.coarse.largest > self.tolerance:
                 return None
         if self._full_is_cheapest(richest):
             richest = top
@@ -312,17 +321,17 @@ class Search:
         )
 
     def _over_budget(self, state: State) -> bool:
-        """Whether to run this state would cost too much; with anything good, half the step is to be told from it."""
+        """Whether to run this state would cost too much; with anything good, the error of its steps is to come."""
         if state in self.trials:
             return False
         if any(s != self.reference and self.good(s) for s in self.trials):
-            return self.exceeds(BUDGET, self.usual_cost(state))
-        return self.exceeds(MOST, self.usual_cost(state) + 2.0 * self.usual_cost(self.middle))
+            return self.usual_cost(state) > self.left_of(BUDGET)
+        return self.usual_cost(state) + QUARTER * self.usual_cost(self.middle) > self.left_of(MOST)
 
-    def exceeds(self, budget: float, cost: float) -> bool:
-        """Whether ``cost``, with all that was run, is more than so many runs of the full mesh."""
+    def left_of(self, budget: float) -> float:
+        """What is left of so many runs of the full mesh, after all states that were run."""
         spent = sum(self.usual_cost(one) for one in self.trials)
-        return spent + cost > budget * self.usual_cost(self.fidelities.top)
+        return budget * self.usual_cost(self.fidelities.top) - spent
 
     def _spent_up(self) -> State | None:
         """The cheapest of what is known to be good, without looking for something cheaper."""
@@ -385,15 +394,3 @@ class Search:
         if near:
             return min(near, key=self.fidelities.coordinates)
         return min(known, key=lambda s: (self.estimate(s), self.fidelities.coordinates(s)), default=None)
-
-    def half_step(self, state: State, outputs: tuple[Output, ...]) -> float:
-        """Change of the outputs with half the step; NaN where there is none, or one of the runs cannot be trusted."""
-        finer = refined(self.stepper_of(self.fidelities.at(state)), 2.0)
-        if finer is None:
-            return math.nan
-        run = self.trial(state, finer)
-        found, own = run.measured, self.trials[state].measured
-        if found is None or own is None or run.failure:
-            return math.nan
-        real = [one for one in outputs if not is_nothing(found[one.name])]
-        return max((error_between(one, own[one.name], found[one.name], self.duration) for one in real), default=0.0)

@@ -1,4 +1,4 @@
-"""What the step does to a choice of bodies: runs with half of it, of the choice and of what it is compared with."""
+"""What the steps do to a choice of bodies: its error by reruns, and that of what it is compared with."""
 
 from __future__ import annotations
 
@@ -8,22 +8,26 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from lcpflex.accuracy.refinement import fineness
+from lcpflex.accuracy.reruns import QUARTER
 from lcpflex.results.words import with_unit
+from lcpflex.studies.claims import RERUNS, Claim
 from lcpflex.studies.model_order.scenes import State, told
 from lcpflex.studies.model_order.search import Search
 
 if TYPE_CHECKING:
     from lcpflex.studies.model_order.scenes import Fidelities
 
-__all__ = ["HalfSteps", "half_steps", "undersampled"]
+__all__ = ["StepErrors", "step_errors", "undersampled"]
 
-BUDGET = 8.0  # runs of the full mesh that a study may take with those of half the step
+BUDGET = 12.0  # runs of the full mesh that a study may take with the reruns that a promise needs, each four of its own
+THOROUGH = 10.0  # and with those by another method
 A_PERIOD = 2.0  # steps, below which a vibration is not seen at all
+UNKNOWN = Claim()
 
 
 @dataclass(frozen=True, slots=True)
-class HalfSteps:
-    """By how much half the step changes the outputs; NaN where that was not run.
+class StepErrors:
+    """The errors that the steps leave in the outputs, by reruns.
 
     Attributes
     ----------
@@ -32,57 +36,58 @@ class HalfSteps:
     reference
         Of the bodies that all others are compared with.
     missing
-        Which of them were not run, and why; empty where both were, or there is no step to be halved.
+        Of which of them it is not known, and why; empty where it is of both.
     """
 
-    own: float = math.nan
-    reference: float = math.nan
+    own: Claim = UNKNOWN
+    reference: Claim = UNKNOWN
     missing: str = ""
 
     @property
     def largest(self) -> float:
         """The larger one; NaN where none is known."""
-        return max((one for one in (self.own, self.reference) if math.isfinite(one)), default=math.nan)
+        return max((one for one in (self.own.largest, self.reference.largest) if math.isfinite(one)), default=math.nan)
 
 
-def half_steps(search: Search, state: State) -> HalfSteps:
-    """Run half the step with the choice, and with what it is compared with: a promise needs both."""
+def step_errors(search: Search, state: State) -> StepErrors:
+    """Run the choice again, and what it is compared with: a promise needs both.
+
+    Each with a quarter of the step, and by another method where counted work leaves enough for that.
+    """
     assert search.reference is not None
-    if fineness(search.stepper_of(search.fidelities.at(state))) is None:
-        return HalfSteps(missing="half the step was not run: the stepper has neither a step nor a tolerance")
-    own, reference = math.nan, math.nan
-    missing = []
-    if why := _dear(search, state):
-        missing.append(f"with the choice ({why})")
-    else:
-        own = search.half_step(state, search.used())
-    if search.reference == state:
+    left = search.left_of(BUDGET)
+    same = search.reference == state
+    kept = 0.0 if same else QUARTER * search.usual_cost(search.reference)  # no promise without that
+    own, missing = _claim(search, state, left - kept)
+    if same:
         reference = own
-    elif why := _dear(search, search.reference):
-        missing.append(f"with {told(search.fidelities.labels(search.reference))} ({why})")
     else:
-        reference = search.half_step(search.reference, search.used())
-        if not math.isfinite(reference):
-            missing.append(f"to its end with {told(search.fidelities.labels(search.reference))}")
-    if not math.isfinite(own) and not missing:
-        missing.append("to its end with the choice")
-    return HalfSteps(own, reference, f"half the step was not run {' and '.join(missing)}" if missing else "")
+        left -= QUARTER * search.usual_cost(state) * len(own.reruns)
+        reference, more = _claim(search, search.reference, left)
+        missing = " and ".join(one for one in (missing, more) if one)
+    return StepErrors(own, reference, f"the error of the steps is not known with {missing}" if missing else "")
 
 
-def _dear(search: Search, state: State) -> str:
-    """Why twice the steps are too many; empty where they are not."""
-    cost = 2.0 * search.cost(state)
+def _claim(search: Search, state: State, left: float) -> tuple[Claim, str]:
+    """The error of a state, by as many reruns as are left; and where there is none, of which bodies, and why."""
+    found, why = UNKNOWN, ""
+    cost, usual = QUARTER * search.cost(state), QUARTER * search.usual_cost(state)
     if cost > search.limit:
-        return f"about {cost:.2g} s, limit {search.limit:g} s"
-    if search.exceeds(BUDGET, 2.0 * search.usual_cost(state)):
-        return "it would have cost too much"
-    return ""
+        why = f"about {cost:.2g} s, limit {search.limit:g} s"
+    elif left < usual:
+        why = "it would have cost too much"
+    else:
+        spare = left - (BUDGET - THOROUGH) * search.usual_cost(search.fidelities.top)
+        found = search.claim(state, search.used(), RERUNS if RERUNS * usual <= spare else 1)
+        if not found.reruns:
+            why = "; ".join(found.missing)[:200]
+    return found, f"{told(search.fidelities.labels(state))} ({why})" if why else ""
 
 
 def undersampled(fidelities: Fidelities, stepper_of: Callable[[Any], Any]) -> str:
     """Of bodies whose slowest vibration a fixed step cannot show, in words; empty where there is none.
 
-    Half such a step shows no more of it: that two runs agree says nothing.
+    A quarter of such a step may show no more of it: that two runs agree says nothing.
     """
     stepper = stepper_of(fidelities.scene)
     found = fineness(stepper)

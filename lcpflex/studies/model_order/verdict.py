@@ -47,7 +47,7 @@ def scatter(search: Search, found: State | None) -> list[str]:
 
 
 def contradictions(search: Search, found: State | None) -> list[str]:
-    """Why nothing is promised of a choice that is within the tolerance; what half the step says is told elsewhere."""
+    """Why nothing is promised of a choice that is within the tolerance; what the steps leave is told elsewhere."""
     if found is None:
         return []
     reasons = scatter(search, found)

@@ -42,10 +42,10 @@ def sled() -> Scene:
     return scene
 
 
-def strip() -> Scene:
+def strip(elements: int = 40) -> Scene:
     """A pendulum meets a round stop."""
     scene = Scene()
-    beam = lf.Beam(length=0.7, width=0.028, thickness=0.01, density=2700.0, youngs_modulus=6.9e10, elements=40)
+    beam = lf.Beam(length=0.7, width=0.028, thickness=0.01, density=2700.0, youngs_modulus=6.9e10, elements=elements)
     body = scene.add(beam.reduce(2, damping=0.02), "pendulum", angular_velocity=-1.0)
     scene.join(lf.Revolute(body.point("left"), scene.ground.at(0.0, 0.0)))
     scene.contact(body.node(0.5, -0.005), scene.ground.circle((0.5, -0.0151), 0.01))
@@ -107,7 +107,7 @@ def bar() -> Scene:
 
 QUESTIONS = {
     "sled": Question(sled, 0.15, lf.GeneralizedAlpha(step=1e-4), 0.01, rigid=("sled",)),
-    "strip": Question(strip, 0.03, lf.GeneralizedAlpha(step=1e-5), 0.03, outputs=("motion",)),
+    "strip": Question(strip, 0.03, lf.GeneralizedAlpha(step=5e-6), 0.03, outputs=("motion",)),
     "hung": Question(hung, 0.1, lf.GeneralizedAlpha(step=2e-5), 0.03, rigid=("stout",)),
     "striker": Question(striker, 0.02, lf.GeneralizedAlpha(step=4e-6), 0.07, rigid=("stout",)),
     "chain": Question(chain, 0.05, lf.GeneralizedAlpha(step=2e-5), 0.01, rigid=("third",)),

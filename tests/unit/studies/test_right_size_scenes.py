@@ -85,19 +85,18 @@ def check(name: str) -> None:
     print(f"{name}: true error {true:.2e} of {question.tolerance:g}, cost {truth.cost(chosen) / best:.2f} of the "
           f"cheapest, study {spent:.2f} runs of the full mesh")  # fmt: skip
     assert truth.cost(chosen) <= 1.5 * best
-    assert spent < 8.0
+    assert spent < 12.0
     assert found.step_error <= question.tolerance
     assert found.reference_step_error <= question.tolerance
 
 
 def spent_on(found) -> float:
-    """Counted cost of a study with the runs of half the step: of the choice, and of what all are compared with."""
+    """Counted cost of a study with its reruns: of the choice, and of what all are compared with."""
     spent = sum(counted(run.steps, run.coordinates) for run in found.runs)
     richest = next(run for run in found.runs if run.reference)
-    if np.isfinite(found.step_error):
-        spent += 2 * counted(found.chosen.steps, found.chosen.coordinates)
-    if np.isfinite(found.reference_step_error) and richest != found.chosen:
-        spent += 2 * counted(richest.steps, richest.coordinates)
+    spent += 4 * len(found.reruns) * counted(found.chosen.steps, found.chosen.coordinates)
+    if richest != found.chosen:
+        spent += 4 * len(found.reference_reruns) * counted(richest.steps, richest.coordinates)
     return spent
 
 
@@ -119,7 +118,7 @@ def test_modes_that_nothing_excites_prove_nothing() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [0.01, 1e-5])
-def test_a_study_of_three_bodies_costs_less_than_eight_runs_of_the_full_mesh(tolerance: float) -> None:
+def test_a_study_of_three_bodies_costs_less_than_twelve_runs_of_the_full_mesh(tolerance: float) -> None:
     question = replace(QUESTIONS["chain"], tolerance=tolerance)
     found = asked(question)
     truth = Truth(question)
@@ -128,9 +127,9 @@ def test_a_study_of_three_bodies_costs_less_than_eight_runs_of_the_full_mesh(tol
     true = max(truth.errors(truth.state(found.levels)).values())
     print(f"{tolerance:g}: {found.sentence()} {spent_on(found) / truth.cost(truth.top):.2f} runs, true {true:.2e}")
     assert true <= tolerance
-    assert spent_on(found) < 8.0 * truth.cost(truth.top)
-    # where there is nothing left for the run that tells, that is said
-    assert np.isfinite(found.step_error) or (found.unmeasured and "alf the step was not run" in str(found))
+    assert spent_on(found) < 12.0 * truth.cost(truth.top)
+    # where there is nothing left for the runs that tell, that is said
+    assert np.isfinite(found.step_error) or "rror of the steps is not known with" in str(found)
 
 
 @pytest.mark.slow
