@@ -9,6 +9,7 @@ import numpy as np
 
 from lcpflex.checks.struck_together import bodies_of_laws
 from lcpflex.compile.touched_pairs import pair_of
+from lcpflex.results.words import SHARED
 
 if TYPE_CHECKING:
     from lcpflex.accuracy.trials import Made
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = ["shares"]
 
-SHARED = "share a load in more ways than one"  # of notes: forces are not unique
 THREE = 3  # points that carry a body, each its own part
 
 

@@ -26,6 +26,7 @@ from lcpflex.model.arrays import SLIP
 from lcpflex.model.layout import is_spatial
 from lcpflex.model.planar import N_RIGID
 from lcpflex.results.result import Result
+from lcpflex.results.words import SHARED
 
 __all__ = ["shared_loads"]
 
@@ -60,7 +61,7 @@ def shared_loads(result: Result) -> tuple[str, ...]:
             names = [repr(result.contact_names[law]) for law in laws.tolist()]
             more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
             return (
-                f"contacts with friction share a load in more ways than one, as {', '.join(names[:NAMED])}{more} at "
+                f"contacts with friction {SHARED}, as {', '.join(names[:NAMED])}{more} at "
                 f"t = {result.times[record]:.6g} s: how much each carries is a choice, and so is when it slips; "
                 "another method may come to another motion, at any step (compare EventDriven(), MoreauJean(step=...) "
                 "and GeneralizedAlpha(step=...); flexible bodies have no such choice)",

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from lcpflex.basics.alarm import FINER, Alarm
 from lcpflex.results.doubts import doubts, largest, loosest
 from lcpflex.results.measured_error import PARTED
-from lcpflex.results.words import with_unit
+from lcpflex.results.words import SHARED, with_unit
 
 if TYPE_CHECKING:
     from lcpflex.results.measured_error import MeasuredError
@@ -27,8 +27,7 @@ TRUSTED, UNVERIFIED, NOT_TRUSTED = "Trusted", "Unverified", "NOT to be trusted"
 LEVELS = {TRUSTED: 2, UNVERIFIED: 1, NOT_TRUSTED: 0}
 PASSED = "Its checks pass (energy, contact problems, gaps, joints), which say nothing of that"
 OF_EXTENT = "of the largest extent or travel"
-SHARES = "share a load in more ways than one"  # of a note, see lcpflex.checks.shared_loads
-SHARED = "friction shares loads here in more ways than one: another method may come to another motion at any step"
+CHOSEN = "friction shares loads here in more ways than one: another method may come to another motion at any step"
 LARGE = PARTED  # of the largest speed: an error of that size is none to be trusted within
 BEGUN = 0.1  # of the duration: what parts before holds nowhere
 LEAST = 1e-6  # a smaller share is told as less than that
@@ -87,7 +86,7 @@ def verdict_of(result: Result) -> Verdict:
         )
         return Verdict(UNVERIFIED, result.warnings, numbers, sentence)
     error = result.error
-    remarks = (*error.notes, *([SHARED] if any(SHARES in note for note in result.notes) else []))
+    remarks = (*error.notes, *([CHOSEN] if any(SHARED in note for note in result.notes) else []))
     told = "".join(f" {_sentence(shorten(note, LONGEST, placeholder=' ...'))}" for note in remarks)
     sentence = f"{TRUSTED} {_within(result, error)}{told}{warned}"
     return Verdict(TRUSTED, (*result.warnings, *remarks), numbers, sentence)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["counted", "percent", "with_unit"]
+__all__ = ["SHARED", "counted", "percent", "with_unit"]
+
+SHARED = "share a load in more ways than one"  # of contacts, in notes: their forces are not unique
 
 
 def percent(value: float) -> str:
