@@ -90,6 +90,9 @@ def run_to_tolerance(
             answer = settled(trials, level, tolerance - modes.error, modes.made, pinned)
         except Refused as refusal:
             raise _error(trials, refusal, tolerance, looked, scene) from None
+        if chosen and not trials.told:
+            names = ", ".join(repr(output.name) for output in chosen)
+            raise ModelError(f"outputs: {names} are 0 throughout, and no error is relative to that; expected others")
         return _answer(trials, answer, modes, tolerance, looked, record, scene)
 
 

@@ -72,6 +72,7 @@ class Trials:
     def __init__(self, options: Options, outputs: Sequence[Output]) -> None:
         self.options, self.outputs = options, tuple(outputs)
         self.rows: list[RunTrial] = []
+        self.told: set[str] = set()  # outputs that are anything at all in a run
         self.partial: Result | None = None  # the longest that did not come to its end
         self._size = 0.0
         self._bodies: dict[int, Bodies] = {}
@@ -174,9 +175,9 @@ class Trials:
         return float(times[max(int(passed[0]) - 1, 0)]) if len(passed) else float(times[-1])
 
     def apart_by_output(self, one: Made, other: Made) -> dict[str, float]:
-        """By name of each output, how far two runs are apart, relative to the range in the later one.
+        """By name of each output, how far two runs are apart, relative to the range in the later one, else the other.
 
-        What is 0 throughout in that has no scale, and is left out.
+        What is 0 throughout in both has no scale, and is left out.
         """
         found = {}
         first, last = sorted((one, other), key=lambda made: made.number)
@@ -184,6 +185,9 @@ class Trials:
             ours, theirs = self._of(first, output), self._of(last, output)
             if has_scale(output, theirs):
                 found[output.name] = error_between(output, ours, theirs, self.duration)
+            elif has_scale(output, ours):  # a touch that the later one misses
+                found[output.name] = error_between(output, theirs, ours, self.duration)
+        self.told.update(found)
         return found
 
     def _of(self, made: Made, output: Output) -> Any:

@@ -128,6 +128,26 @@ class TestWhatIsAskedBeside:
         result = lf.simulate(ball(), 0.5, tolerance=0.05, outputs="impulses", progress=False)
         assert "impulses" in result.choice.measure
 
+    def test_outputs_that_are_nothing_are_refused(self):
+        scene = lf.Scene(gravity=(0.0, -9.81))
+        scene.add(lf.Disc(radius=0.1, mass=1.0), "ball", (0.0, 0.3))
+        with pytest.raises(ModelError, match="'impulses' are 0 throughout"):
+            lf.simulate(scene, 0.1, tolerance=0.05, outputs="impulses", progress=False)
+
+    def test_a_touch_that_one_run_misses_is_no_agreement(self):
+        """Steps of a thousandth fly by a stop that is met by 1e-9 of a metre."""
+        scene = lf.Scene(gravity=(0.0, 0.0))
+        disc = scene.add(lf.Disc(radius=0.1, mass=1.0), "disc", (-0.5, 0.2 - 1e-9), velocity=(1.0, 0.0))
+        scene.contact(disc.surface(), scene.ground.circle((0.0, 0.0), 0.1), restitution=1.0)
+        with pytest.raises(ToleranceError):
+            lf.simulate(scene, 1.0, tolerance=0.01, outputs="impulses", progress=False)
+
+    def test_rest_is_gone_on_from(self):
+        scene = ball()
+        rest = lf.equilibrium(scene)
+        result = lf.simulate(ball(), 0.1, tolerance=0.01, initial=rest, progress=False)
+        np.testing.assert_allclose(result.q[-1], rest.q, atol=1e-9)
+
     def test_a_method_that_is_given_is_kept(self):
         result = lf.simulate(ball(), 0.5, "moreau-jean", tolerance=0.05, progress=False)
         assert result.stepper.startswith("MoreauJean")
