@@ -362,7 +362,7 @@ class _Settling:
                 *(made[0], made[1:]),
             )
         stuck = len(own["MoreauJean"]) > 1 and all(found[-1] > STUCK * found[-2] for found in own.values())
-        if count >= MOST_STEPS or (stuck and min(last) > self.tolerance):
+        if count >= MOST_STEPS or (stuck and (self._stiff or min(last) > self.tolerance)):
             raise Refused(
                 f"shorter steps do not bring fixed steps together: at {count} they are still {cross:.2g} apart{until}",
                 made[0],
