@@ -19,13 +19,14 @@ if TYPE_CHECKING:
 
     from lcpflex.studies.convergence.points import SceneStudy, WorkPoint, WorkPrecision
 
-__all__ = ["chart"]
+__all__ = ["PANELS", "chart"]
 
 LIMIT = "#D9D9D9"
 DOUBT = "#8A8A8A"
 FRONT = "#FFE680"
 WIDTH = 34  # characters of a line of the legend
 LEAST = 1e-12  # smallest error shown
+PANELS = ("error", "equal times", "steps", "claimed")
 
 
 class _Measure(NamedTuple):
@@ -38,31 +39,64 @@ class _Measure(NamedTuple):
     reach: float
 
 
-def chart(work: WorkPrecision, output: str | None) -> Figure:
+def chart(work: WorkPrecision, output: str | None, panels: Sequence[str] | None = None) -> Figure:
     """A row a scene: error and difference at equal times against wall time, error against steps, and who is who."""
-    count = len(work.studies)
-    figure = libs.Figure(figsize=(16.5, 0.2 + 4.0 * count), layout="constrained")
-    rows = figure.subplots(count, 4, squeeze=False, width_ratios=(1.0, 1.0, 1.0, 0.72))
+    last = "claimed" if any(study.has_claims for study in work.studies) else "steps"
+    shown = (*PANELS[:2], last) if panels is None else tuple(panels)
+    count, across = len(work.studies), len(shown)
+    figure = libs.Figure(figsize=(4.45 * across + 3.15, 0.2 + 4.0 * count), layout="constrained")
+    rows = figure.subplots(count, across + 1, squeeze=False, width_ratios=(*[1.0] * across, 0.72))
     for study, axes in zip(work.studies, rows, strict=True):
         name = study.output(output)
         looks = looks_of({p.method: p.stepper for p in study.points if p.method in study.methods})
-        shape, timing = _shape(study, name), _timing(study, name)
-        _panel(axes[0], study, shape, looks, _milliseconds)
-        axes[0].set(xlabel="wall time [ms]", ylabel=f"error of {name}, relative")
-        axes[0].set_title(f"{study.scene}: {name}", fontsize="medium", loc="left")
-        if study.reference.measured[name].parts:
-            _panel(axes[1], study, timing, looks, _milliseconds)
-            _bars(axes[1], study, name, looks)
-            axes[1].set(xlabel="wall time [ms]", ylabel="mean difference at equal times, relative")
-            axes[1].set_title("at equal times", fontsize="medium", loc="left")
-            axes[0].set_title(f"{study.scene}: {name}, shape", fontsize="medium", loc="left")
-        else:
-            axes[1].set_axis_off()
-        _panel(axes[2], study, shape, looks, _steps)
-        axes[2].set(xlabel="steps", ylabel=f"error of {name}, relative")
-        axes[3].set_axis_off()
-        _legend(axes[3], study, looks, name)
+        for ax, panel in zip(axes, shown, strict=False):
+            _DRAWN[panel](ax, study, name, looks)
+        ax = axes[0]
+        kind = ", shape" if study.reference.measured[name].parts and "equal times" in shown else ""
+        ax.set_title(f"{study.scene}: {name}{kind}", fontsize="medium", loc="left")
+        axes[-1].set_axis_off()
+        _legend(axes[-1], study, looks, name)
     return figure
+
+
+def _errors(ax: Axes, study: SceneStudy, name: str, looks: Any) -> None:
+    _panel(ax, study, _shape(study, name), looks, _milliseconds)
+    ax.set(xlabel="wall time [ms]", ylabel=f"error of {name}, relative")
+
+
+def _at_equal_times(ax: Axes, study: SceneStudy, name: str, looks: Any) -> None:
+    if not study.reference.measured[name].parts:
+        ax.set_axis_off()
+        return
+    _panel(ax, study, _timing(study, name), looks, _milliseconds)
+    _bars(ax, study, name, looks)
+    ax.set(xlabel="wall time [ms]", ylabel="mean difference at equal times, relative")
+    ax.set_title("at equal times", fontsize="medium", loc="left")
+
+
+def _against_steps(ax: Axes, study: SceneStudy, name: str, looks: Any) -> None:
+    _panel(ax, study, _shape(study, name), looks, _steps)
+    ax.set(xlabel="steps", ylabel=f"error of {name}, relative")
+
+
+def _claims(ax: Axes, study: SceneStudy, name: str, looks: Any) -> None:
+    """What runs claim against what they are off by, where that is known: above the diagonal they claim enough."""
+    known = [p for p in study.points if not p.failure and name in p.claims and not study.limited(p, name)]
+    pairs = [(p.errors[name], max(p.claims[name], LEAST)) for p in known]
+    ends = [x for pair in pairs for x in pair if math.isfinite(x)] or [LEAST, 1.0]
+    low, high = 10.0 ** math.floor(math.log10(min(ends))), 10.0 ** math.ceil(math.log10(1.01 * max(ends)))
+    ax.set(xscale="log", yscale="log", xlim=(low, high), ylim=(low, high), xlabel="true error, relative")
+    ax.set(ylabel="error that the run claims, relative")
+    ax.fill_between([low, high], [low, low], [low, high], color=LIMIT, zorder=0.5, linewidth=0.0)
+    ax.plot([low, high], [low, high], color=DOUBT, linewidth=1.0, zorder=1.0)
+    for label in study.methods:
+        own = [pair for p, pair in zip(known, pairs, strict=True) if p.method == label]
+        look = {**looks[label], "linestyle": "none"}
+        ax.plot([x for x, _ in own], [y for _, y in own], markersize=6.5, zorder=3.0, **look)
+    ax.text(0.98, 0.03, "claims too little", transform=ax.transAxes, ha="right", fontsize="small", color="#666666")
+    ax.text(0.02, 0.95, "claims enough", transform=ax.transAxes, va="top", fontsize="small", color="#666666")
+    ax.grid(True, which="major", linewidth=0.4, alpha=0.6)
+    ax.set_title("claimed against true", fontsize="medium", loc="left")
 
 
 def _milliseconds(point: WorkPoint) -> float:
@@ -129,10 +163,11 @@ def _panel(ax: Axes, study: SceneStudy, measure: _Measure, looks: Any, abscissa:
         )  # fmt: skip
     ax.xaxis.set_minor_formatter(libs.NullFormatter())  # several of them do not fit into a panel
     ax.grid(True, which="major", linewidth=0.4, alpha=0.6)
-    ax.text(
-        0.995, 0.97 * top, "above: failed ", transform=ax.get_yaxis_transform(), ha="right", va="top",
-        fontsize="x-small", color="#666666",
-    )  # fmt: skip
+    if any(p.failure and not p.refused for p in study.points):
+        ax.text(
+            0.995, 0.97 * top, "above: failed ", transform=ax.get_yaxis_transform(), ha="right", va="top",
+            fontsize="x-small", color="#666666",
+        )  # fmt: skip
 
 
 def _series(
@@ -225,3 +260,6 @@ def _signs(study: SceneStudy, output: str) -> list[Any]:
         doubt = "no independent method confirms any" if math.isinf(reach) else f"confirmed down to {reach:.1e}"
         signs.append(libs.Line2D([], [], color=DOUBT, linestyle="--", linewidth=1.0, label=doubt))
     return signs
+
+
+_DRAWN = dict(zip(PANELS, (_errors, _at_equal_times, _against_steps, _claims), strict=True))

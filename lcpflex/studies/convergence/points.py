@@ -13,7 +13,7 @@ from lcpflex.accuracy.refinement import brief
 from lcpflex.basics.arguments import flag, one_of, sequence_of
 from lcpflex.basics.whole_file import write_rows
 from lcpflex.errors import in_range
-from lcpflex.studies.convergence.chart import chart
+from lcpflex.studies.convergence.chart import PANELS, chart
 from lcpflex.studies.convergence.equal_times import UNKNOWN, EqualTimes
 from lcpflex.studies.convergence.words import advice, table
 
@@ -58,6 +58,8 @@ class WorkPoint:
         By output the difference to the reference at equal times: mean over time, and largest; NaN for numbers.
     unseen_at_equal_times
         As ``unseen``, of that mean.
+    claims
+        By output the error that the run would claim, by reruns; empty where that was not asked for or is not known.
     """
 
     scene: str
@@ -74,6 +76,7 @@ class WorkPoint:
     unseen: Mapping[str, float] = field(default_factory=dict)
     at_equal_times: Mapping[str, EqualTimes] = field(default_factory=dict)
     unseen_at_equal_times: Mapping[str, float] = field(default_factory=dict)
+    claims: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def told(self) -> str:
@@ -106,6 +109,11 @@ class SceneStudy:
         """Methods that do not apply, and why."""
         refused = {point.method: point.failure for point in reversed(self.points) if point.refused}
         return {label: reason for label, reason in refused.items() if label not in self.methods}
+
+    @property
+    def has_claims(self) -> bool:
+        """Whether it was measured what runs claim of their own error."""
+        return any(point.claims for point in self.points)
 
     def output(self, name: str | None) -> str:
         """The name of an output, the first by default. Raises ModelError for an unknown one."""
@@ -231,8 +239,9 @@ class WorkPrecision:
         """
         names = tuple(dict.fromkeys(output.name for study in self.studies for output in study.outputs))
         columns = ("scene", "method", "told", "steps", "wall_time", "fastest", "slowest", "repeats")
+        claimed = ("claimed error of",) if any(study.has_claims for study in self.studies) else ()
         timing = ("mean difference at equal times of", "largest difference at equal times of")
-        named = [f"{head} {name}" for name in names for head in ("error of", "reference error of", *timing)]
+        named = [f"{head} {name}" for name in names for head in ("error of", "reference error of", *timing, *claimed)]
         heads = [column.replace("told", "stepper") for column in columns]
         rows: list[list[Any]] = [[*heads, *named, "failure", "refused"]]
         for study in self.studies:
@@ -242,20 +251,29 @@ class WorkPrecision:
                 for name in names:
                     values += [point.errors.get(name, ""), own.get(name, "")]
                     values += point.at_equal_times.get(name, ("", ""))
+                    values += [point.claims.get(name, "") for _ in claimed]
                 rows.append([*values, point.failure, point.refused])
         write_rows(path, rows)
 
-    def plot(self, output: str | None = None) -> Figure:
+    def plot(self, output: str | None = None, panels: Sequence[str] | None = None) -> Figure:
         """Error and difference at equal times against wall time, error against steps, logarithmic, a row a scene.
+
+        Where runs were asked for the errors that they claim, these stand against the true ones in place of the steps:
+        above the diagonal a run claims no less than it is off by.
 
         A thick line joins the runs that no other one beats in both (Pareto front). Crosses at the top are failures.
         In the grey band errors are below that of the reference, and not known: markers are hollow there, and half full
         where the stored instants are to blame. Below the dashed line no independent method confirms the reference.
         Each family of steppers has its own colour.
 
-        output: its name, the first one if omitted.
+        output: its name, the first one if omitted. panels: some of "error", "equal times", "steps" and "claimed".
         """
-        return chart(self, output)
+        known = (
+            None
+            if panels is None
+            else [one_of("panels", one, PANELS) for one in sequence_of("panels", panels, "names", MOST)]
+        )
+        return chart(self, output, known)
 
     def __str__(self) -> str:
         return f"{self.table()}\n\n{self.advice()}"

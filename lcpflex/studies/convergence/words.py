@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 __all__ = ["advice", "percent", "table"]
 
+CLAIMED = "Claimed: what each run says of its own error, by reruns with finer steps and by another method."
+
 
 def advice(study: SceneStudy, tolerances: Sequence[float], output: str) -> tuple[str, ...]:
     """A sentence or two for each tolerance, then what is known of the reference."""
@@ -91,7 +93,10 @@ def table(study: SceneStudy) -> str:
     """Markdown: a row a run, then the reference, scales and notes."""
     names = [output.name for output in study.outputs]
     curves = [name for name in names if study.reference.measured[name].parts]
-    heads = [head for name in names for head in (f"error: {name}", *(["at equal times"] if name in curves else []))]
+    claimed = ["claimed"] if study.has_claims else []
+    heads = [
+        head for name in names for head in (f"error: {name}", *claimed, *(["at equal times"] if name in curves else []))
+    ]
     head = ["method", "numbers", "steps", "wall time", "spread", *heads, "remark"]
     rows = [_row(study, point, names, curves) for point in study.points if point.method in study.methods]
     scales = "; ".join(f"{o.name} ({scale_text(o, study.reference.measured[o.name])})" for o in study.outputs)
@@ -102,6 +107,7 @@ def table(study: SceneStudy) -> str:
         "those below what lies between the stored instants.  \n"
         "Errors of curves are distances of graphs, which forgive phase; at equal times: mean over time (largest).  \n"
         f"Errors are relative to: {scales}.",
+        *([CLAIMED] if study.has_claims else []),
         *([_witnesses(study, names)] if study.reference.confirmation is not None else []),
         *(f"{label} does not apply: {reason}" for label, reason in study.refusals.items()),
         *study.reference.notes,
@@ -133,6 +139,8 @@ def _row(study: SceneStudy, point: WorkPoint, names: Sequence[str], curves: Sequ
     cells = []
     for name in names:
         cells.append(_error(study, point, name))
+        if study.has_claims:
+            cells.append(_shown(point.claims[name]) if name in point.claims else "-")
         if name in curves:
             cells.append(_at_equal_times(point, name))
     method = point.method.replace("|", "/")

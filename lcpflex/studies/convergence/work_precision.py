@@ -21,7 +21,7 @@ import inspect
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from lcpflex.accuracy.outputs import (
@@ -33,11 +33,12 @@ from lcpflex.accuracy.outputs import (
     standard_outputs,
     unscaled,
 )
-from lcpflex.basics.arguments import optional_flag, positive, raised
+from lcpflex.basics.arguments import flag, optional_flag, positive, raised
 from lcpflex.basics.progress import Progress
 from lcpflex.bodies.body import whole_number
 from lcpflex.errors import LcpflexError, ModelError, in_range, shown
 from lcpflex.results.energy_balance import EnergyGrowth
+from lcpflex.studies.claims import claim
 from lcpflex.studies.convergence.equal_times import apart_at_equal_times, blur_at_equal_times
 from lcpflex.studies.convergence.methods import standard_methods
 from lcpflex.studies.convergence.points import SceneStudy, WorkPoint, WorkPrecision
@@ -73,6 +74,7 @@ def work_precision(
     limit: float = 10.0,
     instants: int | None = None,
     energy_growth: EnergyGrowth = EnergyGrowth.WARN,
+    claims: bool = False,
     progress: bool | None = None,
     **varied: Sequence[Any],
 ) -> WorkPrecision:
@@ -108,6 +110,9 @@ def work_precision(
         Stored where errors are measured. By default up to 20 000, fewer with many coordinates.
     energy_growth
         As in :func:`simulate`. A result that warns counts as failed.
+    claims
+        Whether to check each sound run by reruns, as :meth:`Result.verify` does: table, file and chart then hold the
+        error that it would claim beside its true one. Takes some eight times as long.
     progress
         Show a progress bar; by default on a terminal, after two seconds, and elsewhere a line a minute: see
         :func:`simulate`.
@@ -140,6 +145,7 @@ def work_precision(
         in_range("limit", limit, 0.0, math.inf, open_ends=True),
         None if instants is None else whole_number("instants", instants, 2),
         growth,
+        flag("claims", claims),
         optional_flag("progress", progress),
     )
     variants = _variants(varied)
@@ -171,6 +177,7 @@ class _Request:
     limit: float
     instants: int | None
     energy_growth: EnergyGrowth
+    claims: bool
     progress: bool | None
 
 
@@ -219,6 +226,7 @@ def _study(request: _Request, label: str, scene: Any, variants: Sequence[Mapping
     if duration is None:
         raise ModelError(f"duration: not given, and {shown(label)} does not say; expected a number of seconds > 0")
     series: dict[str, list[Trial]] = {}
+    made: list[tuple[Conditions, Trial]] = []
     notes: list[str] = []
     conditions = [_conditions(request, _builder(label, scene, variant), duration) for variant in variants]
     reference = _given_reference(request, label, conditions[-1])  # first: it may be impossible
@@ -227,6 +235,7 @@ def _study(request: _Request, label: str, scene: Any, variants: Sequence[Mapping
         last, more, interrupted = _all_methods(request, one, "".join(f", {k}={v}" for k, v in variant.items()))
         notes += more
         series |= last
+        made += [(one, run) for trials in last.values() for run in trials]
         if interrupted:
             break
     if reference is None:
@@ -234,6 +243,8 @@ def _study(request: _Request, label: str, scene: Any, variants: Sequence[Mapping
     reference = with_witnesses(reference, one, last)
     used, why = _used_outputs(request.outputs, reference, [t for trials in series.values() for t in trials])
     points = tuple(_point(label, method, one, used, reference) for method, trials in series.items() for one in trials)
+    if request.claims and not interrupted:
+        points, interrupted = _claimed(points, made, used, request.progress)
     return SceneStudy(label, duration, used, reference, points, (*notes, *why), complete=not interrupted)
 
 
@@ -352,6 +363,23 @@ def _found_reference(
         return series_reference(conditions, series, refine=False), True
     except ModelError as error:  # there is nothing yet to compare
         raise KeyboardInterrupt from error
+
+
+def _claimed(
+    points: Sequence[WorkPoint], made: Sequence[tuple[Conditions, Trial]], outputs: Any, progress: bool | None
+) -> tuple[tuple[WorkPoint, ...], bool]:
+    """The points with what each sound run says of its own error, and whether Ctrl-C ended that."""
+    found = list(points)
+    with Progress(progress, what="claimed errors", total=len(points), unit="run", leave=False) as bar:
+        for k, (point, (conditions, run)) in enumerate(zip(points, made, strict=True)):
+            bar.at(point.told)
+            try:
+                if not point.failure:
+                    found[k] = replace(point, claims=claim(conditions, run, outputs).errors)
+            except KeyboardInterrupt:
+                return tuple(found), True
+            bar.update()
+    return tuple(found), False
 
 
 def _point(scene: str, method: str, one: Trial, outputs: Sequence[Output], reference: Reference) -> WorkPoint:

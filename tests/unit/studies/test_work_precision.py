@@ -350,3 +350,33 @@ def test_steppers_are_told_briefly_and_run_from_coarse_to_fine() -> None:
     adaptive = lf.MoreauJean(step=1.0, adaptive=lf.AdaptiveStep(rtol=1e-3))
     assert brief(adaptive) == "MoreauJean(step=1, adaptive=AdaptiveStep(rtol=0.001))"
     assert in_order(MOREAU_JEAN[::-1]) == MOREAU_JEAN
+
+
+def test_runs_claim_no_less_than_they_are_off_by(tmp_path) -> None:
+    """A disc bounces: what the reruns of each run say is at least its true error, and at most a few times it."""
+
+    def dropped() -> lf.Scene:
+        scene = lf.Scene()
+        disc = scene.add(lf.Disc(radius=0.05, mass=1.0), name="disc", position=(0.0, 0.3))
+        floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+        scene.contact(disc.surface(), floor, restitution=0.5, name="floor")
+        return scene
+
+    work = work_precision(
+        {"disc": dropped},
+        {"steps": [lf.MoreauJean(step=h) for h in (4e-3, 1e-3)], "events": lf.EventDriven(rtol=1e-4)},
+        lf.EventDriven(rtol=1e-10), outputs="motion", duration=0.4, repeats=0, claims=True, progress=False,
+    )  # fmt: skip
+    steps = [point for point in work.points if point.method == "steps"]
+    for point in steps:
+        assert point.errors["motion"] <= point.claims["motion"] <= 3.0 * point.errors["motion"]
+    assert "| claimed |" in work.table()
+    work.csv(tmp_path / "runs.csv")
+    assert "claimed error of motion" in (tmp_path / "runs.csv").read_text().splitlines()[0]
+    _, _, claimed, _ = work.plot().axes
+    assert claimed.get_title(loc="left") == "claimed against true"
+    drawn = [line for line in claimed.get_lines() if line.get_marker() not in ("None", "")]
+    assert sum(len(line.get_xdata()) for line in drawn) >= len(steps)
+    assert len(work.plot(panels=("error", "steps")).axes) == 3
+    with pytest.raises(ModelError, match="panels"):
+        work.plot(panels=("colour",))
