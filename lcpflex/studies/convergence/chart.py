@@ -55,7 +55,7 @@ def chart(work: WorkPrecision, output: str | None, panels: Sequence[str] | None 
         kind = ", shape" if study.reference.measured[name].parts and "equal times" in shown else ""
         ax.set_title(f"{study.scene}: {name}{kind}", fontsize="medium", loc="left")
         axes[-1].set_axis_off()
-        _legend(axes[-1], study, looks, name)
+        _legend(axes[-1], study, looks, name, "equal times" in shown)
     return figure
 
 
@@ -84,7 +84,7 @@ def _claims(ax: Axes, study: SceneStudy, name: str, looks: Any) -> None:
     known = [p for p in study.points if not p.failure and name in p.claims and not study.limited(p, name)]
     pairs = [(p.errors[name], max(p.claims[name], LEAST)) for p in known]
     ends = [x for pair in pairs for x in pair if math.isfinite(x)] or [LEAST, 1.0]
-    low, high = 10.0 ** math.floor(math.log10(min(ends))), 10.0 ** math.ceil(math.log10(1.01 * max(ends)))
+    low, high = 10.0 ** math.floor(math.log10(0.5 * min(ends))), 10.0 ** math.ceil(math.log10(2.0 * max(ends)))
     ax.set(xscale="log", yscale="log", xlim=(low, high), ylim=(low, high), xlabel="true error, relative")
     ax.set(ylabel="error that the run claims, relative")
     ax.fill_between([low, high], [low, low], [low, high], color=LIMIT, zorder=0.5, linewidth=0.0)
@@ -220,12 +220,12 @@ def _front(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
     return front
 
 
-def _legend(ax: Axes, study: SceneStudy, looks: Any, output: str) -> None:
+def _legend(ax: Axes, study: SceneStudy, looks: Any, output: str, timed: bool) -> None:
     """Beside the panels of a scene: methods, signs, reference and what does not apply."""
     lines = [f"reference: {study.reference.source}", *(f"{label}: does not apply" for label in study.refusals)]
     title = "\n".join(textwrap.fill(line, 44, subsequent_indent="  ", max_lines=5) for line in lines)
     legend = ax.legend(
-        handles=[*_methods(study, looks), *_signs(study, output)], loc="upper left", bbox_to_anchor=(0.0, 1.0),
+        handles=[*_methods(study, looks), *_signs(study, output, timed)], loc="upper left", bbox_to_anchor=(0.0, 1.0),
         borderaxespad=0.0, frameon=False, fontsize="small", title=title, title_fontsize="small", alignment="left",
     )  # fmt: skip
     legend.set_in_layout(False)  # its axes are wide enough; the panels shall not shrink for it
@@ -238,7 +238,7 @@ def _methods(study: SceneStudy, looks: Any) -> list[Any]:
     ]
 
 
-def _signs(study: SceneStudy, output: str) -> list[Any]:
+def _signs(study: SceneStudy, output: str, timed: bool) -> list[Any]:
     grey: Any = {"color": "#666666", "linestyle": "none"}
     signs: list[Any] = [libs.Line2D([], [], color=FRONT, linewidth=9.0, label="best of all (Pareto)")]
     limited = [p for p in study.points if not p.failure and output in p.errors and study.limited(p, output)]
@@ -251,7 +251,7 @@ def _signs(study: SceneStudy, output: str) -> list[Any]:
         )
     if any(point.failure and not point.refused for point in study.points):
         signs.append(libs.Line2D([], [], marker="x", label="failed", **grey))
-    if study.reference.measured[output].parts:
+    if timed and study.reference.measured[output].parts:
         signs.append(libs.Line2D([], [], color="#666666", linewidth=0.8, label="at equal times: mean up to largest"))
     own, reach = study.reference.error[output], study.reference.reach(output)
     known = f"below the reference's error {own:.1e}" if np.isfinite(own) else "error of the reference: unknown"
