@@ -27,7 +27,7 @@ __all__ = ["Refused", "Settled", "first_look", "settled"]
 LOOSE, TIGHTER, TIGHTEST = 1e-5, 100.0, 1e-11  # rtol of event-driven runs: the first, over the next, the last
 STEPS, FINER = 500, 4  # of the first run of fixed steps, and how many times as many the next one has
 MOST_STEPS = 32_000  # in the duration, after which fixed steps must have come half as near
-MOST_EVENT_DRIVEN = 50_000  # steps and events where no other method counts them out
+MOST_EVENT_DRIVEN = 40_000  # steps and events of the first event-driven run
 STIFF = 1000  # explicit steps that the fastest mode takes, from where on fixed steps are tried alone at first
 LOOKS = ((0.003, 2000), (0.0003, 8000))  # fixed steps by which modes are compared, from which tolerance on
 GROWN = 8  # times the steps of a tolerance 100 times as loose: it is 2.5 times by the order of the method
@@ -95,6 +95,7 @@ class _Settling:
     tolerance: float
     known: list[Made]
     pinned: Any = None
+    failed: list[str] = field(default_factory=list)  # those that were run, which are not run again
     unable: list[str] = field(default_factory=list)  # why methods did not come to the end
 
     @property
@@ -178,7 +179,7 @@ class _Settling:
 
     def _most(self, counted: int, before: Made | None) -> float:
         """Steps and events that an event-driven run may take."""
-        most: float = counted or MOST_EVENT_DRIVEN
+        most: float = min(counted or MOST_EVENT_DRIVEN, MOST_EVENT_DRIVEN)
         return most if before is None else max(most, GROWN * (before.result.steps + len(before.result.events)))
 
     def _step_run(self, kind: str, count: int) -> Made | None:
@@ -198,9 +199,13 @@ class _Settling:
         for one in self.known:
             if brief(one.stepper) == told:
                 return one
+        if why := [words for words in self.failed if words.startswith(f"{told}: ")]:
+            self.unable += why
+            return None
         run = self.trials.run(self.level, stepper, most)
         if isinstance(run, str):
             self.unable.append(f"{told}: {run}")
+            self.failed.append(self.unable[-1])
             return None
         self.known.append(run)
         return run
