@@ -108,15 +108,15 @@ def checking_runs(
         Steps that an event-driven run may take in any case; else as many as cost less than a quarter of the step.
     """
     stepper = settled(origin.stepper, until / max(1, steps))
-    origin, kind = replace(origin, stepper=stepper), fineness(stepper)
-    if kind is None:
+    origin, number = replace(origin, stepper=stepper), fineness(stepper)
+    if number is None:
         raise ModelError(f"verify: {brief(stepper)} has neither a step nor a tolerance to be made finer by")
-    controlled, interval = kind[0] == "rtol", stored_interval(origin)
+    controlled, interval = number[0] == "rtol", stored_interval(origin)
     high = controlled and type(stepper).__name__ in HIGH_ORDER
     if controlled and not high:
         interval /= BETWEEN
     again = partial(rerun, origin, until=until, interval=interval, seconds=seconds)
-    if high and kind[1] < FINEST:
+    if high and number[1] < FINEST:
         yield again(refined(stepper, 1.0 / HUNDREDTH), "a hundred times the tolerance", 1.0)
         return
     if high:
@@ -135,10 +135,11 @@ def checking_runs(
 
 def stored_interval(origin: Origin) -> float:
     """Time between the instants that a run has stored, which its reruns store, too [s]."""
-    kind, asked = fineness(origin.stepper), origin.options.interval
-    if kind is None or kind[0] == "rtol":
+    number, asked = fineness(origin.stepper), origin.options.interval
+    if number is None or number[0] == "rtol":
         return asked
-    return max(1, round(asked / kind[1])) * kind[1] if asked > 0.0 else kind[1]
+    step = number[1]
+    return max(1, round(asked / step)) * step if asked > 0.0 else step
 
 
 def _another_method(again: Callable[..., Finished | str], others: Sequence[Any], most: float) -> Finished | None:

@@ -43,6 +43,7 @@ PLAIN = {
     "ModelWarning",
     "SolverError",
     "StepError",
+    "ToleranceError",
     "EnergyGrowth",
     "Status",
     "Outcome",

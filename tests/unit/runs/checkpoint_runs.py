@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
@@ -155,7 +154,7 @@ class Breaks:
             begins(keeper)
             self.chunks += 1
             if self.chunks in self._at:
-                os.kill(os.getpid(), signal.SIGINT)
+                signal.raise_signal(signal.SIGINT)  # to this thread, at once
 
         monkeypatch.setattr(Checkpoints, "chunk_begins", begin)
         monkeypatch.setattr(sys.modules["lcpflex.runs.simulate"], "CHUNK_SECONDS", 0.0)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import sys
@@ -235,7 +234,7 @@ def test_a_second_interruption_does_not_wait(tmp_path: Path) -> None:
 
     def force(t: float, q: Any, u: Any) -> Any:
         if t > 0.05 and u[1] != 1.0:  # not before the run, when it is asked how fast it changes in time
-            os.kill(os.getpid(), signal.SIGINT)
+            signal.raise_signal(signal.SIGINT)  # to this thread, at once
         return np.array([-9.81, 0.0])
 
     path = tmp_path / "run.npz"
