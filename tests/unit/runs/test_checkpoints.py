@@ -235,6 +235,7 @@ def test_a_second_interruption_does_not_wait(tmp_path: Path) -> None:
     def force(t: float, q: Any, u: Any) -> Any:
         if t > 0.05 and u[1] != 1.0:  # not before the run, when it is asked how fast it changes in time
             signal.raise_signal(signal.SIGINT)  # to this thread, at once
+            signal.raise_signal(signal.SIGINT)  # in the same step: between two, the run may be whole
         return np.array([-9.81, 0.0])
 
     path = tmp_path / "run.npz"
@@ -242,7 +243,7 @@ def test_a_second_interruption_does_not_wait(tmp_path: Path) -> None:
     result = lf.simulate(system, 0.3, lf.MoreauJean(1e-3), checkpoint=path)
     assert result.message.startswith("interrupted")
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    assert read(path).structure["at"][0] <= 0.06
+    assert read(path).structure["at"][0] <= 0.06  # of the start: nothing was due since
 
 
 def test_the_last_state_of_a_result_begins_another_run() -> None:
