@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Units", "has_moved", "scene_size"]
 
-ROWS = 256  # that are looked at together; free: a matrix product pays for its call from some ten on
 MOVED = 1e-3  # of the size of the scene: what has moved by less has not, by any point of a body
 
 
@@ -75,28 +74,6 @@ class Units:
                 moved[..., b] += lengths(places).max(axis=-1)
         return moved, turned
 
-    def largest(self, change: FloatArray) -> float:
-        """Largest of :meth:`of` over the m rows of ``change`` (m, ndof).
-
-        Rows come in the order of an upper bound, until it is below what has been found: few are looked at closely.
-        """
-        if self.own or not np.isfinite(change).all():
-            return float(self.of(change).max(initial=0.0))
-        found = 0.0
-        for b in range(self.count):
-            rigid = self._as_rigid(b, change)
-            if not self._bodies[b][3].size:
-                found = max(found, float(rigid.max(initial=0.0)))
-                continue
-            bound = rigid + self._bent_at_most(b, change)
-            order = np.argsort(-bound)
-            for start in range(0, len(order), ROWS):
-                rows = order[start : start + ROWS]
-                if bound[rows[0]] <= found:
-                    break
-                found = max(found, float((rigid[rows] + self._bent(b, change[rows])).max()))
-        return found
-
     def _as_rigid(self, b: int, change: FloatArray) -> FloatArray:
         """Of body b, without its modes."""
         _, rigid, components = self._size
@@ -111,13 +88,6 @@ class Units:
         bent = np.abs(change[..., first + self._size.rigid : last]) @ np.abs(phi.T)
         places = bent.reshape(*bent.shape[:-1], phi.shape[0] // components, components)
         return np.asarray(lengths(places).max(axis=-1))
-
-    def _bent_at_most(self, b: int, change: FloatArray) -> FloatArray:
-        """At least that: each mode where it moves a point farthest."""
-        first, last, _, phi = self._bodies[b]
-        components = self._size.components
-        shapes = phi.reshape(phi.shape[0] // components, components, -1).transpose(0, 2, 1)
-        return np.asarray(np.abs(change[..., first + self._size.rigid : last]) @ lengths(shapes).max(axis=0))
 
 
 def scene_size(result: Result) -> float | None:
