@@ -26,7 +26,7 @@ __all__ = ["NOT_TRUSTED", "TRUSTED", "UNVERIFIED", "Verdict", "verdict_of"]
 TRUSTED, UNVERIFIED, NOT_TRUSTED = "Trusted", "Unverified", "NOT to be trusted"
 LEVELS = {TRUSTED: 2, UNVERIFIED: 1, NOT_TRUSTED: 0}
 PASSED = "Its checks pass (energy, contact problems, gaps, joints), which say nothing of that"
-OF_EXTENT = "of the largest extent or travel"
+OF_EXTENT = "the largest extent or travel"
 CHOSEN = "friction shares loads here in more ways than one: another method may come to another motion at any step"
 LARGE = PARTED  # of the largest speed: an error of that size is none to be trusted within
 BEGUN = 0.1  # of the duration: what parts before holds nowhere
@@ -131,7 +131,7 @@ def _parted(result: Result, error: MeasuredError) -> tuple[Alarm, ...]:
         return ()
     off = max(error.place, error.turn)
     clause = (
-        f"reruns are off by up to {_share(share)} {OF_EXTENT}{_metres(result, share)}, and near it up to "
+        f"reruns are off by up to {_share(share)} in positions{_metres(result, share)}, and near it up to "
         f"t = {error.horizon:.6g} s alone{f' ({error.parted})' if error.parted else ''}"
     )
     return (Alarm(clause, "accuracy", "", error.horizon, off, FINER),)
@@ -156,38 +156,33 @@ def _within(result: Result, error: MeasuredError) -> str:
     modes = modes if whole or math.isinf(error.modes_horizon) else PARTED
     head = "" if whole else f"up to {with_unit(until, 's')} "
     parts = f": steps {_share(steps)}, modes {_share(modes)}" if error.modes is not None else ""
-    places = f"{head}within {_share(steps + modes)} {OF_EXTENT} in places{_metres(result, steps + modes, parts)}"
-    if whole:
-        return f"{places}, {_velocities(error)}.{_touches(error)}"
-    return f"{places}; {_after(result, error)}.{_touches(error)}"
+    positions = f"{head}within {_share(steps + modes)} in positions{_metres(result, steps + modes, parts)}"
+    speeds = f"{'but' if reach.speed_share > LARGE else 'and'} {_share(reach.speed_share)} of the largest speed"
+    mean = f" ({_share(error.speed_rms_share)} on the average of all times)" if whole else ""
+    after = "" if whole else f"; {_after(result, error)}"
+    return f"{positions}, {speeds} in velocities between impacts{mean}{after}.{_touches(error)}"
 
 
 def _metres(result: Result, share: float, parts: str = "") -> str:
-    """A share of the extent as a length, and what it is made of, in brackets; of a user's own system it has no unit."""
+    """A share as a length, of what, and what it is made of, in brackets; a user's own numbers have ranges."""
     if result.compiled is None or result.error is None:
-        return f" ({parts[2:]})" if parts else ""
-    if share < LEAST and not parts:  # rounding
-        return ""
-    return f" ({with_unit(_rough(share * result.error.extent), 'm')}{parts})"
-
-
-def _velocities(error: MeasuredError) -> str:
-    """How far velocities are off, where no impact is near and on the average over all times."""
-    mean = f"{_share(error.speed_rms_share)} on the average of all times"
-    if error.speed_share <= LARGE:
-        return f"and {_share(error.speed_share)} of the largest speed in velocities between impacts ({mean})"
-    return f"but velocities are off by up to {_share(error.speed_share)} of the largest between impacts ({mean})"
+        return f" (of their ranges{parts})"
+    extent = f"{with_unit(_rough(result.error.extent), 'm')}, {OF_EXTENT}{parts}"
+    if share < LEAST:  # rounding
+        return f" (of {extent})"
+    return f" ({with_unit(_rough(share * result.error.extent), 'm')} of {extent})"
 
 
 def _after(result: Result, error: MeasuredError) -> str:
     """What becomes of it after the time up to which it holds, and what to do."""
     if error.modes_horizon < error.horizon:
         off = 0.0 if error.modes is None else error.modes / error.extent
+        length = "" if result.compiled is None else f" ({with_unit(_rough(off * error.extent), 'm')})"
         alone = error.up_to(error.horizon)
         steps = max(alone.place_share, alone.turn_share)
         return (
-            f"after that places may be off by {_share(off)}{_metres(result, off)} for want of modes: take more "
-            f"(the steps alone err by {_share(steps)} up to {with_unit(error.horizon, 's')})"
+            f"after that positions may be off by {_share(off)}{length}: give the bodies more modes (the steps alone "
+            f"err by {_share(steps)} up to {with_unit(error.horizon, 's')})"
         )
     if error.place_share + error.turn_share <= PARTED:
         return "no rerun came farther"

@@ -22,7 +22,7 @@ UNVERIFIED = (
     "Unverified: how accurate the steps are is not known; result.verify() measures it, for about six times the work of "
     "this run. Its checks pass (energy, contact problems, gaps, joints), which say nothing of that."
 )
-EXTENT = "of the largest extent or travel in places"
+EXTENT = "of 50 mm, the largest extent or travel"
 
 
 def measured(place: float = 0.012, turn: float = 0.0, speed: float = 0.03, **other: Any) -> MeasuredError:
@@ -77,8 +77,8 @@ def test_a_measured_error_is_trusted_within_it(run: Result) -> None:
     verdict = replace(run, error=measured()).verdict
     assert (verdict.word, verdict.level) == ("Trusted", 2)
     assert str(verdict) == (
-        f"Trusted within 1.2 % {EXTENT} (600 µm), and 3 % of the largest speed in velocities between impacts (0.4 % on "
-        "the average of all times). Touches in this run and its reruns: 'floor' 11, 11, 11."
+        f"Trusted within 1.2 % in positions (600 µm {EXTENT}), and 3 % of the largest speed in velocities between "
+        "impacts (0.4 % on the average of all times). Touches in this run and its reruns: 'floor' 11, 11, 11."
     )
     assert verdict.numbers["place"] == pytest.approx(0.012)
     assert verdict.numbers["horizon"] == 0.5
@@ -88,13 +88,16 @@ def test_a_measured_error_is_trusted_within_it(run: Result) -> None:
 
 def test_steps_and_modes_are_told_together_the_larger_error_first(run: Result) -> None:
     turned = replace(run, error=measured(turn=0.02, modes=1e-4)).verdict
-    assert str(turned).startswith(f"Trusted within 2.2 % {EXTENT} (1.1 mm: steps 2 %, modes 0.2 %), and 3 %")
+    assert str(turned).startswith(
+        f"Trusted within 2.2 % in positions (1.1 mm {EXTENT}: steps 2 %, modes 0.2 %), and 3 %"
+    )
     assert turned.numbers["modes"] == pytest.approx(2e-3)
     late = str(replace(run, error=measured(modes=1e-2, modes_horizon=0.125)).verdict)
     assert late == (
-        f"Trusted up to 125 ms within 5 % {EXTENT} (2.5 mm: steps less than 0.0001 %, modes 5 %); after that places "
-        "may be off by 20 % (10 mm) for want of modes: take more (the steps alone err by 1.2 % up to 500 ms). "
-        "Touches in this run and its reruns: 'floor' 11, 11, 11."
+        f"Trusted up to 125 ms within 5 % in positions (2.5 mm {EXTENT}: steps less than 0.0001 %, modes 5 %), and "
+        "less than 0.0001 % of the largest speed in velocities between impacts; after that positions may be off by "
+        "20 % (10 mm): give the bodies more modes (the steps alone err by 1.2 % up to 500 ms). Touches in this run "
+        "and its reruns: 'floor' 11, 11, 11."
     )
 
 
@@ -108,8 +111,8 @@ def test_notes_on_reruns_are_told(run: Result) -> None:
 def test_velocities_that_are_far_off_are_not_trusted_with_places(run: Result) -> None:
     wrong = str(replace(run, error=measured(speed=0.4, speed_rms=0.2)).verdict)
     assert wrong.startswith(
-        f"Trusted within 1.2 % {EXTENT} (600 µm), but velocities are off by up to 40 % of the largest between impacts "
-        "(10 % on the average of all times)."
+        f"Trusted within 1.2 % in positions (600 µm {EXTENT}), but 40 % of the largest speed in velocities between "
+        "impacts (10 % on the average of all times)."
     )
 
 
@@ -120,9 +123,10 @@ def test_a_run_that_parts_is_trusted_up_to_there(run: Result) -> None:
     error = measured(whole=False, horizon=0.31, parted=parted, place_curve=curve, touches=touches)
     verdict = replace(run, error=error).verdict
     assert str(verdict) == (
-        f"Trusted up to 310 ms within 0.2 % {EXTENT} (100 µm); after that, from touch 2 of 'floor' on, the reruns part "
-        "from the run: a shorter step or tighter tolerances may carry farther. Touches in this run and its reruns: "
-        "'floor' 11, 13, 21; 'wall' 2, 2, 2."
+        f"Trusted up to 310 ms within 0.2 % in positions (100 µm {EXTENT}), and less than 0.0001 % of the largest "
+        "speed in velocities between impacts; after that, from touch 2 of 'floor' on, the reruns part from the run: a "
+        "shorter step or tighter tolerances may carry farther. Touches in this run and its reruns: 'floor' 11, 13, 21; "
+        "'wall' 2, 2, 2."
     )
     assert verdict.numbers["place"] == pytest.approx(0.4)
     early = replace(run, error=measured(0.01, whole=False, horizon=0.31, parted="the runs part")).verdict
@@ -202,7 +206,9 @@ def test_an_alarm_keeps_its_parts(run: Result, tmp_path: Path) -> None:
 def test_a_user_system_has_a_verdict_and_a_heading(bounce: Result) -> None:
     assert str(bounce.verdict) == UNVERIFIED
     assert heading(bounce) == "a system of 1 coordinate; contact floor: MoreauJean, step 0.001 s"
-    assert f"Trusted within 1.2 % {EXTENT}, and 3 %" in str(replace(bounce, error=measured()).verdict)
+    assert "Trusted within 1.2 % in positions (of their ranges), and 3 %" in str(
+        replace(bounce, error=measured()).verdict
+    )
 
 
 def test_an_event_driven_run_is_verified_at_less_cost(bounce: Result) -> None:
