@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import matplotlib
 import numpy as np
 import pytest
 
 import lcpflex as lf
-
-matplotlib.use("Agg")
 
 
 @pytest.fixture(scope="module")

@@ -56,7 +56,7 @@ def test_few_steps_of_a_touch_are_said_with_steps_that_do(steps, which, in_space
     texts, (enough,) = told(result)
     assert "'pad'" in texts[0]
     assert 0.2 * step < enough < step
-    assert "read its warnings" in str(result.verdict) or result.verdict.level == 0
+    assert "Read its warnings" in str(result.verdict) or result.verdict.level == 0
     assert not told(run(dropped(in_space, scale), steppers(enough)[which]))[0]
 
 
