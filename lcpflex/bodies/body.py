@@ -301,7 +301,9 @@ class Body:
                 f"inertia: {shown(self.inertia)} was given, expected more than |moment|^2 / mass = {shown(least)}"
             )
         if self.reduction is not None:
-            object.__setattr__(self, "reduction", self.reduction.sealed(self))
+            from lcpflex.bodies.reduction.again import sealed_reduction  # which bodies given by hand do without
+
+            object.__setattr__(self, "reduction", sealed_reduction(self.reduction, self))
 
     def __setstate__(self, state: list[Any]) -> None:
         """Of a copy or what is unpickled, whose arrays are read-only again."""

@@ -161,9 +161,17 @@ def judge_result(drawn: Drawn, result: lf.Result, truth: Truth) -> Errors:
     right = truth.first.result
     held = np.flatnonzero(right.times <= truth.until)
     depth = seen.depth(result, rows) - max(0.0, truth.first.seen.depth(right, held))
-    place, speed = (0.0, 0.0) if result.error is None else (result.error.place_share, result.error.speed_share)
+    place, speed = _stated(result, truth.until)
     off_speed = float(speeds.max()) / truth.speed
     return Errors(off, off_speed, place, speed, max(0.0, depth) / truth.size, known)
+
+
+def _stated(result: lf.Result, until: float) -> tuple[float, float]:
+    """How far off a result says that its points and their velocities are, up to some time; 0 where it does not."""
+    if result.error is None:
+        return 0.0, 0.0
+    reach = result.error.up_to(until)
+    return reach.place_share + reach.turn_share, reach.speed_share
 
 
 def judge(drawn: Drawn) -> Verdict:
@@ -190,6 +198,11 @@ def judge(drawn: Drawn) -> Verdict:
         return verdict("stopped", ended, truth.until)
     told = [f"{w.message}" for w in caught if issubclass(w.category, lf.ModelWarning)]
     errors = judge_result(drawn, result, truth)
+    if errors.wrong and not doubts(result):  # it is "unverified": what counts is what reruns say
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            result.verify(progress=False)
+        errors = judge_result(drawn, result, truth)
     outcome, said = outcome_of(errors, doubts(result), [*result.warnings, *told])
     if outcome == "alarm" and not _in_doubt(replace(drawn, duration=truth.until)):
         outcome = "no truth"  # of what the doubt is about, which comes later

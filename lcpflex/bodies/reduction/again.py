@@ -11,8 +11,9 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from lcpflex.bodies.reduction.damping import continued
+from lcpflex.errors import ModelError, shown
 
-__all__ = ["Reduction", "reduction_by"]
+__all__ = ["Reduction", "reduction_by", "sealed_reduction"]
 
 Made = TypeVar("Made")  # a Body, or a SpatialBody
 
@@ -50,6 +51,13 @@ class Reduction(Generic[Made]):
         if not self.modes:
             return min(self.most, coordinates if factor > 1.0 else 0)
         return min(self.most, max(round(factor * self.modes), min(least, self.modes)))
+
+
+def sealed_reduction(reduction: Any, body: Any) -> Reduction[Any]:
+    """``reduction`` with the seal of its first body. Raises ModelError for anything else."""
+    if not isinstance(reduction, Reduction):
+        raise ModelError(f"reduction: {shown(reduction)} was given, expected None, or that of a body that was reduced")
+    return reduction.sealed(body)
 
 
 def _digest(body: Any) -> bytes:

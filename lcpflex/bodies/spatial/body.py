@@ -161,8 +161,14 @@ class SpatialBody:
             raise ModelError("cross_damping: its diagonal belongs into damping, expected zeros there")
         object.__setattr__(self, "residual_modes", whole_number("residual_modes", self.residual_modes, 0, n))
         self._check_others(n)
+        if not isinstance(self.mesh_modes, MeshModes | None):
+            raise ModelError(
+                f"mesh_modes: {shown(self.mesh_modes)} was given, expected None, or that of a reduced body"
+            )
         if self.reduction is not None:
-            object.__setattr__(self, "reduction", self.reduction.sealed(self))
+            from lcpflex.bodies.reduction.again import sealed_reduction  # which bodies given by hand do without
+
+            object.__setattr__(self, "reduction", sealed_reduction(self.reduction, self))
 
     def _keep_second(self) -> None:
         """P0 and J, of which one at least was given."""
