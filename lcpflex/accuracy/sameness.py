@@ -36,7 +36,7 @@ def origin_of(result: Result, scene: Any, stepper: Any) -> Origin:
         raise ModelError(
             f"stepper: None was given for a result of a file, expected the one it was run with, {result.stepper[:200]}"
         )
-    if repr(stepper) != result.stepper:
+    if isinstance(stepper, type) or not callable(getattr(stepper, "start", None)) or repr(stepper) != result.stepper:
         raise ModelError(
             f"stepper: {shown(stepper)} was given, expected the one it was run with, {result.stepper[:200]}"
         )

@@ -74,6 +74,7 @@ TAKEN: dict[tuple[str, str], set[str]] = {
     ("advice.contact_advice", "half_section"): {"true"},
     ("stability", "truth"): {"true", "stepper"},
     ("right_size", "stepper"): {"stepper"},
+    ("Result.verify", "stepper"): {"stepper"},  # that of the result
     ("outcome_legend", "curves"): {
         "list of texts",
         "list of word",
