@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 
     from lcpflex.results.result import Result
     from lcpflex.runs.origin import Origin
+    from lcpflex.runs.setup import Options
 
-__all__ = ["QUARTER", "Finished", "checking_runs", "rerun", "stored_interval", "unsensed"]
+__all__ = ["QUARTER", "Finished", "attempted", "checking_runs", "rerun", "stored_interval", "unsensed"]
 
 QUARTER, HUNDREDTH = 4.0, 100.0
 FINEST = 1e-11  # rtol of these, below which one of a looser tolerance checks it: rounding is as large
@@ -40,6 +41,27 @@ class Finished:
     result: Result
 
 
+def attempted(
+    source: Any, stepper: Any, options: Options, most: float = math.inf, seconds: float | None = None
+) -> tuple[Result | None, str]:
+    """A run as far as it comes in ``most`` steps and events and so many seconds of computing, and why it stopped.
+
+    Empty where it came to its end; no result where it did not begin. Raises KeyboardInterrupt where it was interrupted.
+    """
+    look()
+    try:
+        found = carry_out(set_up(source, stepper, options, None), False, budget=seconds, most=most)
+    except StepError as error:
+        return error.result, str(error)
+    except LcpflexError as error:  # also of a method that does not take this scene
+        return None, str(error)
+    if found.complete:
+        return found, ""
+    if found.message.startswith("interrupted"):
+        raise KeyboardInterrupt
+    return found, found.message
+
+
 def rerun(
     origin: Origin,
     stepper: Any,
@@ -54,24 +76,11 @@ def rerun(
 
     seconds: of computing, after which it ends where it is. Raises KeyboardInterrupt where it was interrupted.
     """
-    look()
     options = replace(
         origin.options, duration=until, interval=interval, notes=(), began_wrong=(), records_problems=False, choice=None
     )
-    ended = ""
-    try:
-        found = carry_out(set_up(origin.source, stepper, options, None), False, budget=seconds, most=most)
-        if not found.complete:
-            if found.message.startswith("interrupted"):
-                raise KeyboardInterrupt
-            ended = found.message
-    except StepError as error:
-        if error.result is None:
-            return f"{brief(stepper)}: {error}"
-        found, ended = error.result, str(error)
-    except LcpflexError as error:
-        return f"{brief(stepper)}: {error}"
-    if len(found.times) < 2:
+    found, ended = attempted(origin.source, stepper, options, most, seconds)
+    if found is None or len(found.times) < 2:
         return f"{brief(stepper)}: {ended}"
     told = Rerun(what, found.stepper, found.steps, found.wall_time, float(found.times[-1]), factor, ended)
     return Finished(told, found)

@@ -14,12 +14,12 @@ from lcpflex.results.contact_windows import STEPS
 from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.result import Result
 from lcpflex.runs.origin import Origin
+from lcpflex.runs.request import stored_interval
 from lcpflex.runs.setup import Options, compiled_for, set_up
 from lcpflex.runs.simulate import carry_out
 
 __all__ = ["origin_of", "refuse_others"]
 
-INSTANTS = 1000  # stored where a run was asked for no interval
 FIRST = 3  # stored instants that must come out as they did
 LOOK = 2000  # steps in which they are looked for
 ROUNDING = 1e-9  # of the largest number: another machine rounds differently
@@ -41,7 +41,7 @@ def origin_of(result: Result, scene: Any, stepper: Any) -> Origin:
             f"stepper: {shown(stepper)} was given, expected the one it was run with, {result.stepper[:200]}"
         )
     source = _stored(result) if scene is None else _given(result, scene, stepper)
-    interval = 0.0 if result.stored == STEPS else result.duration / INSTANTS
+    interval = stored_interval(0.0 if result.stored == STEPS else None, result.duration, stepper)
     options = Options(result.duration, interval, False, EnergyGrowth.WARN)
     return Origin(source, stepper, options, scene)
 

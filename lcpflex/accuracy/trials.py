@@ -12,11 +12,8 @@ import numpy as np
 from lcpflex.accuracy.comparison import bodies_of, places_apart, sizes_of
 from lcpflex.accuracy.outputs import Output, error_between, has_scale
 from lcpflex.accuracy.refinement import brief
-from lcpflex.basics.progress import look
-from lcpflex.errors import LcpflexError, ModelError, StepError
+from lcpflex.accuracy.reruns import attempted
 from lcpflex.results.run_choice import RunTrial
-from lcpflex.runs.setup import set_up
-from lcpflex.runs.simulate import carry_out
 from lcpflex.scene.user_system import UserSystem
 
 if TYPE_CHECKING:
@@ -93,20 +90,7 @@ class Trials:
 
         Raises KeyboardInterrupt where it was interrupted.
         """
-        look()
-        ended, found = "", None
-        try:
-            found = carry_out(set_up(level.source, stepper, self.options, None), False, most=most)
-            if not found.complete:
-                if found.message.startswith("interrupted"):
-                    raise KeyboardInterrupt
-                ended = found.message
-        except StepError as error:
-            found, ended = error.result, str(error)
-        except ModelError as error:  # the method does not take this scene
-            ended = str(error)
-        except LcpflexError as error:
-            ended = str(error)
+        found, ended = attempted(level.source, stepper, self.options, most)
         if found is not None and not ended and not (np.isfinite(found.q).all() and np.isfinite(found.u).all()):
             ended = "its numbers are not finite"
         number = self._noted(level, stepper, found, ended)
