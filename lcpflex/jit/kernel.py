@@ -13,7 +13,7 @@ import types
 from collections.abc import Callable
 from functools import cache, update_wrapper
 from threading import RLock
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar, cast, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -27,14 +27,32 @@ F = TypeVar("F", bound=Callable[..., Any])
 OPTIONS = {"_nrt": False, "error_model": "numpy", "no_cfunc_wrapper": True, "nogil": True}
 
 
-def kernel(function: F) -> F:
+@overload
+def kernel(function: F) -> F: ...
+
+
+@overload
+def kernel(*, inline: bool) -> Callable[[F], F]: ...
+
+
+def kernel(function: F | None = None, *, inline: bool = False) -> F | Callable[[F], F]:
     """Compile ``function`` with numba at its first call (``nopython``, cached on disk, no fastmath).
+
+    ``@kernel(inline=True)``: its code is copied into each caller, however large it is and however many callers it has.
+    For small functions in the innermost loops: LLVM calls a function of two callers, which costs such a loop up to
+    half of its speed.
 
     Numbers divided by zero are inf or NaN, as in numpy: a branch for each division would keep loops from being
     vectorised, and what is not finite is judged once, where a result is. The plain Python source stays reachable as
     ``function.py_func``.
     """
-    return function if _only_python() else cast(F, Kernel(function, late=False))
+    if function is None:
+        return lambda decorated: _kernel(decorated, inline)
+    return _kernel(function, inline)
+
+
+def _kernel(function: F, inline: bool) -> F:
+    return function if _only_python() else cast(F, Kernel(function, late=False, inline=inline))
 
 
 def late_kernel(function: F) -> F:
@@ -66,14 +84,17 @@ class Kernel:
         The plain Python function.
     late
         Whether compiled code calls it without having it compiled; see :func:`late_kernel`.
+    inline
+        Whether its code is copied into each caller.
     made
         The dispatcher. All that a kernel has no attribute for is asked of it.
     """
 
-    def __init__(self, function: Callable[..., Any], late: bool) -> None:
+    def __init__(self, function: Callable[..., Any], late: bool, inline: bool = False) -> None:
         update_wrapper(self, function)
         self.py_func = function
         self.late = late
+        self.inline = inline
         self._made: Any = None
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
@@ -87,7 +108,7 @@ class Kernel:
             with _making:
                 if self._made is None:
                     try:
-                        self._made = _dispatcher(self.py_func, self.late)
+                        self._made = _dispatcher(self.py_func, self.late, self.inline)
                     except AttributeError as error:  # which Python would take for the lack of ``made``
                         raise ImportError(f"numba cannot be used with what is installed: {error}") from error
         return self._made
@@ -115,7 +136,7 @@ class Kernel:
 _making = RLock()
 
 
-def _dispatcher(function: Callable[..., Any], late: bool) -> Any:
+def _dispatcher(function: Callable[..., Any], late: bool, inline: bool) -> Any:
     """What compiles ``function``; the function itself where numba is told by its file of settings not to compile."""
     if _disabled():
         return function
@@ -126,8 +147,8 @@ def _dispatcher(function: Callable[..., Any], late: bool) -> Any:
     from lcpflex.jit.late import LateDispatcher
     from lcpflex.jit.thin_dispatcher import ThinDispatcher
 
-    kind = LateDispatcher if late else ThinDispatcher
-    return kind(function, {"nopython": True, "boundscheck": None, **OPTIONS})
+    options = {"nopython": True, "boundscheck": None, **OPTIONS}
+    return LateDispatcher(function, options) if late else ThinDispatcher(function, options, inline)
 
 
 @cache

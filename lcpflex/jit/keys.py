@@ -151,7 +151,7 @@ def _own(function: Any, structs: frozenset[str]) -> tuple[str, list[Any]]:
             if all(map(_is_own, reached)):
                 called += [source for source in reached if not source.__module__.startswith(COMPILERS)]
                 values[name] = [
-                    (getattr(kernel, "late", False), source.__module__, source.__qualname__, _result(source))
+                    (_way(kernel), source.__module__, source.__qualname__, _result(source))
                     for kernel, source in zip(chosen, reached, strict=True)
                 ]
             else:
@@ -164,6 +164,11 @@ def _source(value: Any) -> Any:
     """The function that a kernel or an intrinsic was made of; any other value as it is."""
     found = getattr(value, "py_func", None)
     return getattr(value, "_defn", value) if found is None else found
+
+
+def _way(kernel: Any) -> tuple[bool, bool]:
+    """How callers come to a kernel: whether it is compiled late, and whether its code is copied."""
+    return getattr(kernel, "late", False), getattr(kernel, "inline", False)
 
 
 def _result(source: Callable[..., Any]) -> object:

@@ -17,6 +17,15 @@ it runs.
 
 is a kernel for what is planar; where an argument is a struct of space, the function of the same name in that module
 goes before it. The module is loaded when it is first asked for: planar scenes pay nothing for it.
+
+    @leaf
+    def dot(a, b): ...
+
+    @dot.of(2)
+    @kernel(inline=True)
+    def dot_in_plane(a, b): ...
+
+is chosen by the length of a tuple: one loop serves contacts of two rows and of three.
 """
 
 from __future__ import annotations
@@ -28,9 +37,10 @@ from typing import Any, Generic, ParamSpec, TypeVar
 
 from lcpflex.jit.kernel import kernel
 
-__all__ = ["Leaf", "dispatcher_of", "forget_choices", "in_space", "leaf", "load_space", "optional_leaf"]
+__all__ = ["Leaf", "dispatcher_of", "forget_choices", "in_space", "leaf", "length_label", "load_space", "optional_leaf"]
 
 SPATIAL = "Spatial"  # names of the structs of space begin so
+LENGTH = "#"  # labels of tuples begin so, which no name does
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -47,7 +57,7 @@ class Leaf(Generic[P, R]):
     name
         Module and name of the function as it was declared.
     kernels
-        By the name of the struct.
+        By the name of the struct, or by :func:`length_label`.
     default
         The kernel of kinds that have none of their own; None where each must have one.
     py_func
@@ -65,11 +75,12 @@ class Leaf(Generic[P, R]):
         if default is not None:
             self.py_func = getattr(default, "py_func", default)
 
-    def of(self, *kinds: type) -> Callable[[Callable[P, R]], Callable[P, R]]:
-        """Decorator: the kernel of these structs."""
+    def of(self, *kinds: type | int) -> Callable[[Callable[P, R]], Callable[P, R]]:
+        """Decorator: the kernel of these structs, or of tuples of so many numbers."""
+        labels = [length_label(kind) if isinstance(kind, int) else kind.__name__ for kind in kinds]
 
         def register(function: Callable[P, R]) -> Callable[P, R]:
-            self.kernels.update({kind.__name__: function for kind in kinds})
+            self.kernels.update(dict.fromkeys(labels, function))
             for forget in forget_choices:
                 forget()
             return function
@@ -78,7 +89,7 @@ class Leaf(Generic[P, R]):
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
         """What the kernel of the arguments returns."""
-        return self.chosen(getattr(argument, "_label", "") for argument in args)(*args, **kwargs)
+        return self.chosen(map(_label, args))(*args, **kwargs)
 
     def chosen(self, labels: Iterable[str]) -> Callable[P, R]:
         """The kernel for arguments by the names of their structs.
@@ -103,8 +114,12 @@ class Leaf(Generic[P, R]):
         return self.kernels[key]
 
     def of_kinds(self, labels: frozenset[str]) -> dict[str, Callable[P, R]]:
-        """All that a call with arguments of these structs may take, the default under ""."""
+        """All that a call with arguments of these structs may take, the default under "".
+
+        Those of tuples in any case: what a kernel calls is not told by its arguments.
+        """
         found = {label: self.kernels[label] for label in labels if label in self.kernels}
+        found |= {label: kernel for label, kernel in self.kernels.items() if label.startswith(LENGTH)}
         if self.space and any(map(self._knows, labels)):
             return {SPATIAL: self._kernel(SPATIAL)}  # and no planar one
         return found if self.default is None else {**found, "": self.default}
@@ -133,6 +148,16 @@ class Leaf(Generic[P, R]):
         if self.space in sys.modules:
             self._kernel(SPATIAL)
         return self.kernels if self.default is None else {**self.kernels, "": self.default}
+
+
+def length_label(length: int) -> str:
+    """Under what a leaf has its kernel for tuples of so many numbers."""
+    return f"{LENGTH}{length}"
+
+
+def _label(argument: Any) -> str:
+    """By what leaves choose, of an argument in Python."""
+    return length_label(len(argument)) if type(argument) is tuple else getattr(argument, "_label", "")
 
 
 def leaf(declared: Callable[P, R]) -> Leaf[P, R]:

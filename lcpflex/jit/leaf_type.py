@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba.core import types
+import numba.core.types
 from numba.extending import models, register_model
 
-from lcpflex.jit.leaf import Leaf
+from lcpflex.jit.leaf import Leaf, length_label
 
 __all__ = ["LeafType"]
 
+types: Any = numba.core.types
+PLAIN_TUPLES = types.Tuple, types.UniTuple  # those with names have other types
 
-class LeafType(types.Callable, types.Dummy):
+
+class LeafType(types.Callable, types.Dummy):  # type: ignore[misc]
     """The type of one leaf."""
 
     def __init__(self, leaf: Leaf[Any, Any]) -> None:
@@ -33,8 +36,15 @@ class LeafType(types.Callable, types.Dummy):
 
     def _dispatcher(self, arguments: Any) -> Any:
         """The type of the kernel for arguments of these types."""
-        chosen: Any = self.leaf.chosen(getattr(argument, "label", "") for argument in arguments)
+        chosen: Any = self.leaf.chosen(map(_label, arguments))
         return chosen._numba_type_
+
+
+def _label(argument: Any) -> str:
+    """By what leaves choose, of the type of an argument."""
+    if isinstance(argument, PLAIN_TUPLES):
+        return length_label(len(argument))
+    return getattr(argument, "label", "")
 
 
 @register_model(LeafType)

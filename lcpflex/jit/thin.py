@@ -2,7 +2,8 @@
 
 Numba copies the code of all that a function calls into it, optimises it again and stores it again: with kernels in ten
 floors, the code of the lowest is compiled ten times. Here a callee of more than ``LARGEST`` instructions is declared
-and called; the smaller ones are taken in, so that loops over them are optimised as before.
+and called; the smaller ones are taken in, so that loops over them are optimised as before. LLVM may still call one of
+these, where it has two callers or is large: kernels that are declared as inline are copied wherever they are used.
 
 The symbols of a kernel hold its key (:mod:`lcpflex.jit.keys`) in place of numba's counter, so that the machine code of
 one process fits that of another. All other functions of a module, which have such counters, are local to it.
@@ -20,7 +21,7 @@ from numba.core.environment import lookup_environment
 
 from lcpflex.jit.keys import key_of
 
-__all__ = ["PROCESS", "ThinCompiler", "ThinLibrary", "late_calls"]
+__all__ = ["PROCESS", "InlineCompiler", "ThinCompiler", "ThinLibrary", "late_calls"]
 
 LARGEST = 700  # instructions of a callee that is taken in
 ENVIRONMENT = "_ZN08NumbaEnv"  # how the places of Python constants begin
@@ -49,7 +50,7 @@ class ThinLibrary(JITCodeLibrary):  # type: ignore[misc]
         Whether its code holds for other processes.
     """
 
-    def __init__(self, codegen: Any, name: str, key: str, small: bool = True) -> None:
+    def __init__(self, codegen: Any, name: str, key: str, small: bool = True, inline: bool = False) -> None:
         super().__init__(codegen, name)
         self.enable_object_caching()
         self.key = key
@@ -59,6 +60,7 @@ class ThinLibrary(JITCodeLibrary):  # type: ignore[misc]
         self.late: set[str] = set()
         self.kept = True
         self._takes_in = small  # whether small callees are taken in
+        self._inline = inline  # whether callers copy its code
 
     def finalize(self) -> None:
         """Link, optimise and compile, as numba does, but for the callees that are called."""
@@ -73,7 +75,10 @@ class ThinLibrary(JITCodeLibrary):  # type: ignore[misc]
         self._final_module.verify()
         declared = [function.name for function in self._final_module.functions if function.is_declaration]
         self.needs = {name: outside[name] for name in declared if name in outside}
-        self.big = sum(str(function).count("\n  ") for function in self._final_module.functions) > LARGEST
+        if self._inline:
+            self._ask_for_copies()
+        else:
+            self.big = sum(str(function).count("\n  ") for function in self._final_module.functions) > LARGEST
         self._finalize_final_module()
         self.kept &= not self._dynamic_globals
 
@@ -91,6 +96,11 @@ class ThinLibrary(JITCodeLibrary):  # type: ignore[misc]
                 self.late |= library.late
                 self._final_module.link_in(library.linkable(), preserve=True)
         return outside
+
+    def _ask_for_copies(self) -> None:
+        """Have LLVM copy its functions wherever it meets a call of them."""
+        for name in self.symbols:
+            self._final_module.get_function(name).add_function_attribute("alwaysinline")
 
     def _make_local(self, own: set[str]) -> None:
         """Take the names from all but its own symbols: another process may have given them to other functions.
@@ -143,13 +153,21 @@ def _defined(module: Any) -> list[Any]:
 class ThinCompiler(CompilerBase):  # type: ignore[misc]
     """Numba's compiler with the library above, for kernels that have a key."""
 
+    inline = False
+
     def define_pipelines(self) -> list[Any]:
         """The usual pipeline, without functions for callers in C and Python: they are made when Python asks."""
         state = self.state
         codegen = state.targetctx.codegen()
         key = key_of(state.func_id.func, state.args, state.return_type, codegen.magic_tuple(), LARGEST)
         if key is not None:
-            state.library = ThinLibrary(codegen, state.func_id.func_qualname, key)
+            state.library = ThinLibrary(codegen, state.func_id.func_qualname, key, inline=self.inline)
             state.func_id.unique_id = int(key[:15], 16)  # the same symbols in every process
             state.flags.no_cpython_wrapper = True
         return [DefaultPassBuilder.define_nopython_pipeline(state)]
+
+
+class InlineCompiler(ThinCompiler):
+    """The same for kernels whose code is copied into each caller."""
+
+    inline = True

@@ -14,7 +14,7 @@ from lcpflex.jit.cache import KernelCache, keep, read_anywhere
 from lcpflex.jit.kernel_file import KernelFile
 from lcpflex.jit.keys import derived, machines
 from lcpflex.jit.literals import without_literals
-from lcpflex.jit.thin import ThinCompiler, ThinLibrary
+from lcpflex.jit.thin import InlineCompiler, ThinCompiler, ThinLibrary
 
 __all__ = ["ThinDispatcher"]
 
@@ -26,8 +26,9 @@ class ThinDispatcher(CPUDispatcher):  # type: ignore[misc]
     time of compiling. The table from which C finds overloads for Python gets it when Python asks for it first.
     """
 
-    def __init__(self, py_func: Any, targetoptions: dict[str, Any]) -> None:
-        super().__init__(py_func=py_func, targetoptions=targetoptions, pipeline_class=ThinCompiler)
+    def __init__(self, py_func: Any, targetoptions: dict[str, Any], inline: bool = False) -> None:
+        compiler = InlineCompiler if inline else ThinCompiler
+        super().__init__(py_func=py_func, targetoptions=targetoptions, pipeline_class=compiler)
         self._cache = KernelCache(py_func, thin.LARGEST, _load, _file_of)
         self._for_python: set[Any] = set()  # overloads that Python can call
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.solvers.contact.laws.states import BACK, FORTH, OPEN, STICKING
 from lcpflex.solvers.contact.problem import ContactProblem
-from lcpflex.solvers.contact.sweeps import BACK, FORTH, OPEN, STICKING
 
 __all__ = ["free_forces", "in_cones", "on_active_set", "own_blocks", "states_of"]
 

@@ -21,8 +21,8 @@ from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.contact.active_set import free_forces, in_cones
+from lcpflex.solvers.contact.laws.states import BACK, FORTH, OPEN, STICKING
 from lcpflex.solvers.contact.problem import ContactProblem
-from lcpflex.solvers.contact.sweeps import BACK, FORTH, OPEN, STICKING
 
 __all__ = ["Proximal"]
 

@@ -14,52 +14,18 @@ import numpy as np
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.attention import is_called
 from lcpflex.solvers.certificate import judge
+from lcpflex.solvers.contact.laws.interval import solve_contact
+from lcpflex.solvers.contact.laws.states import BACK, FORTH, OPEN, STICKING
 from lcpflex.solvers.lcp.pivoting import block_pivots
 from lcpflex.solvers.semidefinite import dot
 from lcpflex.solvers.status import ITERATION_LIMIT, NUMERICAL_FAILURE, SOLVED
 
-__all__ = ["block_gauss_seidel", "solve_contact", "sweep_blocks", "sweep_delassus", "sweep_factor", "take_basis"]
+__all__ = ["block_gauss_seidel", "sweep_blocks", "sweep_delassus", "sweep_factor", "take_basis"]
 
-OPEN, STICKING, FORTH, BACK = 0, 1, 2, 3  # state of a contact
-ROUND = 1e-14  # how far a sign may be off, relative to its terms
-SINGULAR = 1e-13  # relative determinant of a contact whose normal and tangent move together
 FIRST_LOOK = 8  # sweeps before the first look at the residual; each time twice as many
 EXCHANGES = 5  # of the active set in one attempt to finish
 RUNAWAY = 1e14  # growth of the forces that ends the iteration
 LAST_DIGIT = 1e-17  # change of a contact velocity, relative to the free one, below which no sweep changes anything
-
-
-@kernel
-def solve_contact(
-    a: float, b: float, c: float, d: float, r_n: float, r_t: float, mu: float
-) -> tuple[float, float, int]:
-    """Forces p, t and state of one contact: v_N = a p + b t + r_N, v_T = c p + d t + r_T, |t| <= mu p.
-
-    If no state fits (a Painleve pattern, a - mu |b| <= 0 while approaching), the forces that stop the approach without
-    friction.
-    """
-    if r_n >= 0.0:
-        return 0.0, 0.0, OPEN
-    det = a * d - b * c
-    if det > SINGULAR * a * d:
-        p = (b * r_t - d * r_n) / det
-        t = (c * r_n - a * r_t) / det
-        if p >= 0.0 and abs(t) <= mu * p * (1.0 + ROUND):
-            return p, min(max(t, -mu * p), mu * p), STICKING
-    best, p_best, t_best, state = np.inf, 0.0, 0.0, FORTH
-    for turn in range(2):
-        sign = -1.0 if turn == 0 else 1.0  # of the friction force: against sliding forth, against sliding back
-        stiffness = a + sign * mu * b
-        if stiffness > SINGULAR * a:
-            p = -r_n / stiffness
-            slip = c * p + d * sign * mu * p + r_t
-            wrong = sign * slip  # sliding forth has slip >= 0 and a negative force
-            if wrong < best:
-                best, p_best, t_best = wrong, p, sign * mu * p
-                state = FORTH if turn == 0 else BACK
-    if best < np.inf:
-        return p_best, t_best, state
-    return (-r_n / a if a > 0.0 else 0.0), 0.0, FORTH
 
 
 @kernel

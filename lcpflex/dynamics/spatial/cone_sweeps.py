@@ -27,7 +27,7 @@ from lcpflex.solvers.contact.cones.dense import (
     left_over,
     note_polish,
 )
-from lcpflex.solvers.contact.cones.local import NONE, solve_cone
+from lcpflex.solvers.contact.laws.disc import NONE, solve_cone
 
 __all__ = ["judge_island", "sweep_island"]
 

@@ -21,7 +21,6 @@ from lcpflex.solvers.certificate import (
     terms_residual,
 )
 from lcpflex.solvers.contact.cones.certificate import contact_parts
-from lcpflex.solvers.contact.cones.local import NONE, solve_cone
 from lcpflex.solvers.contact.cones.memory import (
     NOTHING_KNOWN,
     SOLUTION_KNOWN,
@@ -30,6 +29,7 @@ from lcpflex.solvers.contact.cones.memory import (
     SpatialSolverMemory,
 )
 from lcpflex.solvers.contact.cones.newton import newton, proximal
+from lcpflex.solvers.contact.laws.disc import NONE, solve_cone
 from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED
 
 __all__ = [

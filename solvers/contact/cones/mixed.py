@@ -11,8 +11,8 @@ import math
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.solvers.contact.cones.local import NONE, solve_cone
 from lcpflex.solvers.contact.cones.mixed_problem import LOOK_BACK, MixedProblem, fill_units, judge_mixed
+from lcpflex.solvers.contact.laws.disc import NONE, solve_cone
 
 __all__ = ["polish_mixed", "solve_mixed"]
 

@@ -1,6 +1,6 @@
 """Sweeps over spatial contacts with Coulomb friction: the compiled part of the block Gauss-Seidel iteration.
 
-The law of one contact, with the forces of all others held, is solved exactly (:mod:`.local`), one contact after the
+The law of one contact, with the forces of all others held, is solved exactly (:mod:`.laws.disc`), one contact after the
 other. A block W_kk that is not symmetric is taken by its symmetric part, the rest as known from the last force: what
 is left of it shrinks with the sweeps. Sources: Jean 1999 (nonsmooth contact dynamics); Jourdan, Alart & Jean 1998.
 """
@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.solvers.contact.cones.local import solve_cone
+from lcpflex.solvers.contact.laws.disc import solve_cone
 
 __all__ = ["sweep_cone_blocks", "sweep_cone_factor", "sweep_cones", "velocity_by_blocks"]
 
@@ -51,7 +51,7 @@ def sweep_cones(
     """Up to ``sweeps`` sweeps over n contacts; (how many were made, largest change of a velocity in the last one).
 
     W (cap, cap) dense, free (cap,), rows (n, t1, t2) of each contact in turn; friction (n,). In place: forces (cap,)
-    and slip (n,) of each contact (see :func:`.local.solve_cone`). Ends early once the change is ``target`` or less.
+    and slip (n,) of each contact (see ``solve_cone``). Ends early once the change is ``target`` or less.
     Work: own (9,).
     """
     m, change = 3 * n, np.inf

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lcpflex.jit.kernel import kernel
 from lcpflex.solvers.contact.large.memory import FRICTIONAL, HINGE, NORMAL, LargeMemory
-from lcpflex.solvers.contact.sweeps import solve_contact
+from lcpflex.solvers.contact.laws.interval import solve_contact
 
 __all__ = ["sweep"]
 

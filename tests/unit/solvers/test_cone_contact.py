@@ -5,8 +5,8 @@ import pytest
 
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import kernel
-from lcpflex.solvers.contact.cones.local import NONE, solve_cone
 from lcpflex.solvers.contact.cones.several import contact_solutions
+from lcpflex.solvers.contact.laws.disc import NONE, solve_cone
 
 THREE = np.array([[1.0, -0.9, 0.0], [-0.9, 1.0, 0.0], [0.0, 0.0, 1.0]])  # opens, sticks or slides at mu = 2
 

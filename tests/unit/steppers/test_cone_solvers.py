@@ -11,7 +11,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.solvers.certificate import guarded_residual
-from lcpflex.solvers.contact.cones.local import solve_cone
+from lcpflex.solvers.contact.laws.disc import solve_cone
 from lcpflex.solvers.contact.posed import posed_problem, tried_point
 
 STEP = 1e-3

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lcpflex.jit.kernel import kernel
 from lcpflex.solvers.contact.cones.large.memory import FRICTIONAL, SpatialLargeMemory
-from lcpflex.solvers.contact.cones.local import NONE, solve_cone
+from lcpflex.solvers.contact.laws.disc import NONE, solve_cone
 
 __all__ = ["sweep"]
 

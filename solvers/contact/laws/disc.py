@@ -1,4 +1,4 @@
-"""The law of one spatial contact with Coulomb friction, solved exactly.
+"""Coulomb's law of one contact in space, solved exactly: the friction force is in a disc.
 
 With u = W r + q of one contact, W symmetric and positive semidefinite, r solves
 
@@ -17,9 +17,18 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.jit.kernel import kernel
+import numpy as np
+
+from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.solvers.contact.algebra import Vector
+from lcpflex.solvers.contact.cones.certificate import natural_miss, nearest_in_cone
+from lcpflex.solvers.contact.group import Group
+from lcpflex.solvers.contact.laws import coulomb
+from lcpflex.solvers.contact.laws.states import EDGE, OPEN, SLIDING, STICKING
 
 __all__ = ["NONE", "solve_cone"]
+
+INSIDE = 1e-12  # of the edge of its disc: a contact that is nearer slides already
 
 NONE = -1.0  # slip of a contact that no forces keep apart
 CLOSE = 1e-14  # of 1: the friction ratio at the slip found
@@ -151,3 +160,111 @@ def _slip(
             return new
         s = new
     return s
+
+
+@coulomb.solve.of(3)
+@kernel(inline=True)
+def solve(group: Group, k: int, v: Vector, p: Vector) -> tuple[Vector, bool]:
+    """Open, sticking or sliding, as :func:`solve_cone` tells; where nothing solves it alone, the others may help.
+
+    A block that is not symmetric is taken by its symmetric part, the rest as known from the last force: what is left of
+    it shrinks with the sweeps.
+    """
+    own = group.own
+    nn, aa, bb = own[k, 0], own[k, 4], own[k, 8]
+    n1, n2, ab = 0.5 * (own[k, 1] + own[k, 3]), 0.5 * (own[k, 2] + own[k, 6]), 0.5 * (own[k, 5] + own[k, 7])
+    f, g, h, slip = solve_cone(
+        nn, n1, n2, aa, ab, bb,
+        v[0] - (nn * p[0] + n1 * p[1] + n2 * p[2]),
+        v[1] - (n1 * p[0] + aa * p[1] + ab * p[2]),
+        v[2] - (n2 * p[0] + ab * p[1] + bb * p[2]),
+        group.mu[k], group.slip[k],
+    )  # fmt: skip
+    if slip == NONE:
+        return p, False
+    group.slip[k] = slip
+    return (f, g, h), True
+
+
+@coulomb.answer.of(3)
+@kernel(inline=True)
+def answer(group: Group, k: int, a: Vector, convex: bool) -> tuple[Vector, int]:
+    """(a_N, the nearest friction force to a_T)."""
+    n, t, s = a
+    if convex:
+        f, g, h = nearest_in_cone(n, t, s, group.mu[k])
+        if f == 0.0:
+            return (0.0, 0.0, 0.0), OPEN
+        return (f, g, h), (STICKING if f == n and g == t and h == s else EDGE)
+    if n <= 0.0:
+        return (0.0, 0.0, 0.0), OPEN
+    size, bound = math.sqrt(t * t + s * s), group.mu[k] * n
+    if size <= bound:
+        return a, STICKING
+    return (n, bound * (t / size), bound * (s / size)), SLIDING
+
+
+@coulomb.derivative.of(3)
+@kernel(inline=True)
+def derivative(group: Group, k: int, a: Vector, state: int, rho: float, C: FloatArray) -> None:
+    """With t = a_T / |a_T|: along it what the edge does, across it the turning of the friction force."""
+    for e in range(9):
+        C[k, e] = 0.0
+    if state == OPEN:
+        return
+    C[k, 0] = rho
+    if state == STICKING:
+        C[k, 4], C[k, 8] = rho, rho
+        return
+    size, m = math.sqrt(a[1] * a[1] + a[2] * a[2]), group.mu[k]
+    if size == 0.0:  # on the axis, where only a cone without width has an edge
+        return
+    t, s = a[1] / size, a[2] / size
+    along, across = 0.0, rho * m * a[0] / size
+    if state == EDGE:
+        part = 1.0 / (1.0 + m * m)
+        C[k, 0] = rho * part
+        along, across = rho * part * m * m, rho * part * m * (a[0] + m * size) / size
+        C[k, 1], C[k, 2] = rho * part * m * t, rho * part * m * s
+        C[k, 3], C[k, 6] = C[k, 1], C[k, 2]
+    else:
+        C[k, 3], C[k, 6] = rho * m * t, rho * m * s
+    C[k, 4] = along * t * t + across * s * s
+    C[k, 5] = (along - across) * t * s
+    C[k, 7] = C[k, 5]
+    C[k, 8] = along * s * s + across * t * t
+
+
+@coulomb.room.of(3)
+@kernel(inline=True)
+def room(group: Group, k: int, q: Vector, d: Vector) -> float:
+    """To the normal force 0, and to the edge of the cone from inside."""
+    far, mu = np.inf, group.mu[k]
+    if q[0] > 0.0:
+        if d[0] < 0.0:
+            far = -q[0] / d[0]
+        if math.sqrt(q[1] ** 2 + q[2] ** 2) < mu * q[0] * (1.0 - INSIDE):
+            far = min(far, _way_to_edge(q[0], q[1], q[2], d[0], d[1], d[2], mu))
+    return far
+
+
+@kernel
+def _way_to_edge(f: float, g: float, h: float, d: float, d1: float, d2: float, mu: float) -> float:
+    """The least t > 0 at which (f, g, h) + t (d, d1, d2), inside |q_T| <= mu q_N at t = 0, leaves that cone."""
+    a = d1 * d1 + d2 * d2 - mu * mu * d * d
+    b = g * d1 + h * d2 - mu * mu * f * d
+    c = min(g * g + h * h - mu * mu * f * f, 0.0)
+    root = b * b - a * c
+    if root < 0.0:
+        return np.inf
+    root = math.sqrt(root)
+    if b + root > 0.0:  # a t^2 + 2 b t + c = 0, without the difference of two large numbers
+        return -c / (b + root)
+    return (-b + root) / a if a > 0.0 else np.inf
+
+
+@coulomb.miss.of(3)
+@kernel(inline=True)
+def miss(group: Group, k: int, p: Vector, v: Vector) -> float:
+    """The largest component of p - P_K(p - (v + mu |v_T| n)): :mod:`lcpflex.solvers.contact.cones.certificate`."""
+    return natural_miss(p[0], p[1], p[2], v[0], v[1], v[2], group.mu[k], group.unit[k])
