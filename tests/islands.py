@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from lcpflex.jit.struct import allocate
 from lcpflex.solvers import ContactProblem
+from lcpflex.solvers.contact.algebra import PLANAR
 from lcpflex.solvers.contact.large.memory import BodyContacts, LargeMemory, grown, large_memory
 from lcpflex.solvers.contact.large.solving import ROOM, solve_large
 
@@ -66,6 +67,7 @@ class Island:
             friction=self.friction,
             joint_row=np.arange(2 * n, len(self.free)),
             bodies=np.arange(len(self.size)),
+            slip=np.zeros(0),
         )
 
     def contact_problem(self) -> ContactProblem:
@@ -82,12 +84,11 @@ class Island:
         """Status, and the memory that tells the rest."""
         problem = self.problem()
         if memory is None:
-            memory = large_memory(
-                len(self.size), len(self.friction), problem.n_joints, len(self.size), self.white.shape[2]
-            )
+            units = len(self.friction) + problem.n_joints
+            memory = large_memory(len(self.size), units, len(self.size), self.white.shape[2], 2)
         for name, value in limits.items():
-            setattr(memory, name, value)
-        while (status := solve_large(problem, memory)) == ROOM:
+            setattr(memory.judged if name == "tolerance" else memory.search, name, value)
+        while (status := solve_large(problem, memory, PLANAR)) == ROOM:
             memory = grown(memory, {})
         return status, memory
 
@@ -230,7 +231,7 @@ class Heap:
             self.island = island(touching, self.mass, inertia, self.u, self.friction)
             self.island.p[:] = np.concatenate([self.kept.get(key, np.zeros(2)) for key in self.keys])
             if self.memory is None:
-                self.memory = large_memory(len(self.r), 4 * len(self.r), 0, len(self.r), 3)
+                self.memory = large_memory(len(self.r), 4 * len(self.r), len(self.r), 3, 2)
             status, self.memory = self.island.solve(self.memory)
             for i in range(2):
                 np.add.at(du, self.island.row_body[:, i], self.island.white[:, i] * self.island.p[:, None])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -177,8 +177,8 @@ def workspace(
         dense=compliant.dense,
         joints=joints,
         islands=islands(len(dof) - 1, capacity, n_joint),
-        large=_large(sizes, dof=dof, **shared),
-        large_solver=_large_solver(sizes, before, in_space),
+        large=_large(sizes, solving["solver"].slip if in_space else np.zeros(0), dof=dof, **shared),
+        large_solver=_large_solver(sizes, before, each),
         dense_limit=before.dense_limit if before else NO_LIMIT,
         strict_large=before.strict_large if before else 0,
         most=before.most if before else 0,
@@ -189,23 +189,17 @@ def workspace(
     )
 
 
-def _large(sizes: dict[str, int], **shared: Any) -> BodyContacts:
+def _large(sizes: dict[str, int], slip: FloatArray, **shared: Any) -> BodyContacts:
     """The problem of a large island, over the rows of the workspace."""
     room = 1 if sizes["white"] else 0
     own = {name: room * sizes[name] for name in ("contacts", "joints", "bodies")}
-    return allocate(BodyContacts, own, first_contact=sizes["joints"], **shared)
+    return allocate(BodyContacts, own, first_contact=sizes["joints"], slip=slip, **shared)
 
 
-def _large_solver(sizes: dict[str, int], before: Workspace | None, in_space: bool) -> LargeMemory:
+def _large_solver(sizes: dict[str, int], before: Workspace | None, rows: int) -> LargeMemory:
     """Its memory; what one before it knows and wants goes on."""
     room = 1 if sizes["white"] else 0
     units, bodies = room * (sizes["contacts"] + sizes["joints"]), room * sizes["bodies"]
-    known: Any = before.large_solver if before else None
-    if in_space:
-        from lcpflex.solvers.contact.cones.large.memory import large_cones
-
-        own: Any = large_cones(sizes, units, bodies, known)
-        return cast(LargeMemory, own)
     if before is None:
-        return large_memory(sizes["bodies"], units, 0, bodies, sizes["width"])
+        return large_memory(sizes["bodies"], units, bodies, sizes["width"], rows)
     return grown(before.large_solver, {"units": units, "bodies": bodies})

@@ -12,7 +12,7 @@ from lcpflex.basics import libs
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import IntArray
 from lcpflex.solvers.auto import Auto
-from lcpflex.solvers.contact.large.memory import LargeMemory
+from lcpflex.solvers.contact.operators.bodies import Bodies
 from lcpflex.solvers.contact.problem import ContactProblem
 
 __all__ = ["give_start"]
@@ -25,10 +25,11 @@ def give_start(work: Workspace) -> None:
     """
     memory, large = work.large_solver, work.large
     count = int(large.n_contacts)
-    rough = np.flatnonzero(memory.mu[:count] > 0.0)
-    free = np.concatenate([memory.free[:count, 0], memory.free[rough, 1]])
-    problem = ContactProblem(None, free, memory.mu[:count], factor=_factor(memory, count, rough))
-    normal, tangential = problem.forces(Auto(factors=int(memory.factor_limit)).solve(problem).z)
+    group = memory.group
+    rough = np.flatnonzero(group.mu[:count] > 0.0)
+    free = np.concatenate([group.free[:count, 0], group.free[rough, 1]])
+    problem = ContactProblem(None, free, group.mu[:count], factor=_factor(memory.op, count, rough))
+    normal, tangential = problem.forces(Auto(factors=int(memory.search.factor_limit)).solve(problem).z)
     scale, tangents = memory.scale[:count], large.tangent_row[:count]
     work.p[tangents[tangents >= 0]] = 0.0
     work.p[large.normal_row[:count]] = normal * scale
@@ -36,19 +37,19 @@ def give_start(work: Workspace) -> None:
     work.wants_start, work.has_start = 0, 1
 
 
-def _factor(memory: LargeMemory, count: int, rough: IntArray) -> libs.sparse.csr_array:
+def _factor(op: Bodies, count: int, rough: IntArray) -> libs.sparse.csr_array:
     """J (rows, unknowns) with G = J J^T: normals of all contacts, tangents of those with friction, in their units."""
     units = np.concatenate([np.arange(count), rough])
     kinds = np.repeat([0, 1], [count, len(rough)])
-    places = np.arange(memory.J.shape[3])
+    places = np.arange(op.J.shape[3])
     rows, columns, entries = [], [], []
     for side in range(2):
-        body = memory.body[units, side]
+        body = op.body[units, side]
         held = np.flatnonzero(body >= 0)
-        first = memory.pos[body[held]]
-        inside = places < (memory.pos[body[held] + 1] - first)[:, None]
+        first = op.pos[body[held]]
+        inside = places < (op.pos[body[held] + 1] - first)[:, None]
         rows.append(np.broadcast_to(held[:, None], inside.shape)[inside])
         columns.append((first[:, None] + places)[inside])
-        entries.append(memory.J[units[held], kinds[held], side][inside])
+        entries.append(op.J[units[held], side, kinds[held]][inside])
     place = np.concatenate(rows), np.concatenate(columns)
-    return libs.sparse.csr_array((np.concatenate(entries), place), shape=(len(units), int(memory.n_unknowns)))
+    return libs.sparse.csr_array((np.concatenate(entries), place), shape=(len(units), int(op.n_unknowns)))

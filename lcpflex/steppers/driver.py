@@ -115,8 +115,9 @@ class Watched:
             self._watch(work.problem, work.solver)
             return
         pose_island(work, i)
-        work.solver.residual, work.solver.strict = work.large_solver.residual, work.large_solver.strict
-        work.solver.iterations = work.large_solver.factors
+        judged = work.large_solver.judged
+        work.solver.residual, work.solver.strict = judged.residual, judged.strict
+        work.solver.iterations = work.large_solver.newton.factors
         self._watch(work.problem, work.solver)
 
 

@@ -19,12 +19,13 @@ from lcpflex.dynamics.large_island import (
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel, late_kernel
 from lcpflex.jit.leaf import in_space
+from lcpflex.solvers.contact.algebra import PLANAR
 from lcpflex.solvers.contact.compiled import solve_contacts
-from lcpflex.solvers.contact.large.fronts import lacks_room
-from lcpflex.solvers.contact.large.judging import lags
+from lcpflex.solvers.contact.judging import lags
 from lcpflex.solvers.contact.large.least import least_impulses
 from lcpflex.solvers.contact.large.solving import ROOM, solve_large, take_impulses
 from lcpflex.solvers.contact.least_forces import least_forces
+from lcpflex.solvers.contact.operators.fronts import lacks_room
 from lcpflex.solvers.contact.recollection import recall_basis, remember_basis, remember_forces, turn_over
 from lcpflex.solvers.status import SOLVED
 from lcpflex.steppers.doubtful import keep_doubtful
@@ -82,19 +83,19 @@ def solve_large_island(work: Workspace, i: int, tolerance: float, last: bool, re
     """
     large, solver = work.large, work.large_solver
     work.largest = max(work.largest, work.islands.start[i + 1] - work.islands.start[i])
-    if len(work.white) == 0 or lacks_room(solver.factor):  # the latter, where sunk contacts were to be lifted
+    if len(work.white) == 0 or lacks_room(solver.op.factor):  # the latter, where sunk contacts were to be lifted
         return RunStatus.GROW
     describe_island(work, i)
     cold = work.has_start == 0 and begin_with_remembered(work, last) == 0 and last
-    solver.tolerance = tolerance
+    solver.judged.tolerance = tolerance
     if work.lifted == 1:
         count_forces(work)
-    status = solve_large(large, solver)
+    status = solve_large(large, solver, PLANAR)
     if work.lifted == 1:
         restore_free(work)
     if status == ROOM:
         return RunStatus.GROW
-    lagging = lags(solver)
+    lagging = lags(solver.judged)
     if status != SOLVED and large.n_contacts <= LAST_WORD:
         warm = last
         dense = solve_dense_island(work, i, tolerance, warm, last, recorder)
@@ -187,10 +188,11 @@ def shorten_large(work: Workspace, i: int) -> bool:
     The residual that the next step looks back to stays. False where there is no room.
     """
     solver, room = work.large_solver, True
+    judged = solver.judged
     if len(work.white) > 0:
-        strict, residual = solver.strict, solver.residual
+        strict, residual = judged.strict, judged.residual
         describe_island(work, i)
-        if take_impulses(work.large, solver):
+        if take_impulses(work.large, solver, PLANAR):
             room = least_impulses(work.large, solver) != ROOM
-        solver.strict, solver.residual = strict, residual
+        judged.strict, judged.residual = strict, residual
     return room

@@ -17,6 +17,7 @@ from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.model.arrays import Model
+from lcpflex.solvers.contact.algebra import PLANAR
 from lcpflex.solvers.contact.compiled import solve_normals
 from lcpflex.solvers.contact.large.solving import ROOM, solve_large
 from lcpflex.steppers.recorder import Recorder
@@ -144,13 +145,15 @@ def lift_large_island(model: Model, work: Workspace, i: int, m: int, q: FloatArr
 
     The right-hand side and the impulses of the step come back, and the residual that the next step looks back to.
     """
-    solver = work.large_solver
-    strict, residual = solver.strict, solver.residual
+    judged = work.large_solver.judged
+    strict, residual = judged.strict, judged.residual
     describe_island(work, i)
     begin_lift(work, m)
-    solved = solve_large(work.large, solver) != ROOM  # as far as it goes: the rest is for the next step
+    solved = (
+        solve_large(work.large, work.large_solver, PLANAR) != ROOM
+    )  # as far as it goes: the rest is for the next step
     end_lift(model, work, m, solved, q)
-    solver.strict, solver.residual = strict, residual
+    judged.strict, judged.residual = strict, residual
     return solved
 
 

@@ -289,9 +289,9 @@ def note_certificate(work: Workspace, recorder: Recorder) -> None:
 @kernel
 def note_large(work: Workspace, failed: bool, recorder: Recorder) -> None:
     """The same of a problem in the velocities of bodies; one that was not solved counts once for its step."""
-    counts, large, solver = recorder.counts, work.large, work.large_solver
-    counts.worst_residual = max(counts.worst_residual, solver.residual)
-    counts.worst_relative = max(counts.worst_relative, solver.strict)
+    counts, large, judged = recorder.counts, work.large, work.large_solver.judged
+    counts.worst_residual = max(counts.worst_residual, judged.residual)
+    counts.worst_relative = max(counts.worst_relative, judged.strict)
     size = 0
     for c in range(large.n_contacts):
         size += 3 if large.tangent_row[c] >= 0 else 1
@@ -300,19 +300,19 @@ def note_large(work: Workspace, failed: bool, recorder: Recorder) -> None:
         if work.unsolved == 1:
             counts.unsolved += 1.0
         counts.unsolved_islands += 1.0
-        counts.worst_unsolved = max(counts.worst_unsolved, solver.residual)
-        counts.worst_unsolved_strict = max(counts.worst_unsolved_strict, solver.strict)
-        counts.typical_unsolved += math.log(max(solver.strict, 1e-300))
+        counts.worst_unsolved = max(counts.worst_unsolved, judged.residual)
+        counts.worst_unsolved_strict = max(counts.worst_unsolved_strict, judged.strict)
+        counts.typical_unsolved += math.log(max(judged.strict, 1e-300))
 
 
 @kernel
 def note_lagging(work: Workspace, recorder: Recorder) -> None:
     """Count the large problem just solved, and keep the contact that has most of its own load left."""
-    counts, solver = recorder.counts, work.large_solver
+    counts, judged = recorder.counts, work.large_solver.judged
     counts.lagging += 1.0
-    if solver.missed > counts.worst_lag:
-        counts.worst_lag = solver.missed
-        counts.lag_law = work.table.law[work.large.normal_row[solver.behind] - work.n_joint]
+    if judged.missed > counts.worst_lag:
+        counts.worst_lag = judged.missed
+        counts.lag_law = work.table.law[work.large.normal_row[judged.behind] - work.n_joint]
 
 
 @kernel

@@ -12,7 +12,7 @@ from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import IntArray
 from lcpflex.jit.struct import copy_parts
 from lcpflex.model.layout import is_spatial
-from lcpflex.solvers.contact.large.memory import widen
+from lcpflex.solvers.contact.operators.sparse_factor import widen
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.cold_islands import give_start
 from lcpflex.steppers.driver import Rescue, dense_limit, solver_hooks, solver_method
@@ -124,7 +124,7 @@ class TimeStepping:
             return
         large = len(old.white) > 0 or old.largest <= old.dense_limit
         if contacts <= len(old.table.key) and old.most <= len(old.problem.friction) and large:
-            widen(old.large_solver.factor)
+            widen(old.large_solver.op.factor)
             return
         room, dense = grown(len(old.table.key), contacts), grown(len(old.problem.friction), old.most)
         dense = room if self.system.watch else dense  # who is told of problems is told of all
@@ -145,9 +145,9 @@ class TimeStepping:
     def _limit_factors(self) -> None:
         """The budget of the user's for large islands, where there is one; in space, whatever a factor costs."""
         if self._budget is not None:
-            self.work.large_solver.factor_limit = self._budget
+            self.work.large_solver.search.factor_limit = self._budget
             if is_spatial(self.system.model):
-                self.work.large_solver.operation_limit = math.inf
+                self.work.large_solver.search.operation_limit = math.inf
 
     def remarks(self, steps: int | None = None) -> list[str]:
         """Warnings of the run so far; of steps of one length, after so many."""

@@ -46,7 +46,7 @@ def unsolved_large(work: Workspace, tolerance: float) -> str:
     """Why a run ends that is not to go on with the best point."""
     solver = work.large_solver
     return (
-        f"the contact problem of an island of {work.large.n_contacts} contacts was not solved in {solver.factors} "
-        f"sparse factors and {solver.sweeps} sweeps: natural-map residual {solver.residual:.3g} "
-        f"(tolerance {tolerance:g})"
+        f"the contact problem of an island of {work.large.n_contacts} contacts was not solved in "
+        f"{solver.newton.factors} sparse factors and {solver.search.sweeps} sweeps: natural-map residual "
+        f"{solver.judged.residual:.3g} (tolerance {tolerance:g})"
     )

@@ -13,11 +13,12 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.struct import struct
 from lcpflex.solvers.certificate import OWN, guarded_residual, own_share, strict_residual
 from lcpflex.solvers.contact.algebra import Vector, put, slip_size, taken
+from lcpflex.solvers.contact.best import Best
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.laws import BILATERAL, miss
 from lcpflex.solvers.contact.operators import Operator, begin, terms, velocity
 
-__all__ = ["Judged", "is_exact", "is_good", "judge", "lags", "measure_loads", "weigh"]
+__all__ = ["Judged", "is_enough", "is_exact", "is_good", "judge", "lags", "measure_loads", "term_size", "weigh"]
 
 SLIDING = 1e-6  # of the free velocities: a contact that slips by more is no resting one
 
@@ -66,7 +67,9 @@ def weigh(op: Operator, group: Group, judged: Judged, p: FloatArray, like: Vecto
     largest, missed, speed = 0.0, 0.0, 0.0
     for k in range(group.n):
         force, v = taken(p, k, like), taken(group.y, k, like)
-        size, with_others = terms(op, group, k, force, v)
+        size, with_others = terms(op, group, k, p, v)
+        if not size < np.inf:  # NaN, too, which max() may drop
+            largest = np.inf
         largest = max(largest, size)
         if group.law[k] != BILATERAL:
             share = own_share(miss(group, k, force, v), with_others, group.load[k], judged.load)
@@ -77,11 +80,34 @@ def weigh(op: Operator, group: Group, judged: Judged, p: FloatArray, like: Vecto
     judged.missed = missed
     judged.terms = max(largest, judged.load)
     judged.sliding = 1 if speed > SLIDING * judged.load else 0
-    if judged.worst < np.inf and judged.load < np.inf:
+    if judged.worst < np.inf and judged.load < np.inf and largest < np.inf:
         judged.residual = guarded_residual(judged.worst, judged.terms, judged.load)
         judged.strict = strict_residual(judged.worst, judged.load)
     else:
         judged.residual, judged.strict, judged.missed = np.inf, np.inf, np.inf
+
+
+@kernel
+def term_size(op: Operator, group: Group, judged: Judged, p: FloatArray, like: Vector) -> float:
+    """The largest size of what cancels in the velocities ``group.y`` under the forces p; inf where it is no number."""
+    largest = judged.load
+    for k in range(group.n):
+        size, _ = terms(op, group, k, p, taken(group.y, k, like))
+        if not size < np.inf:
+            return np.inf
+        largest = max(largest, size)
+    return largest
+
+
+@kernel
+def is_enough(op: Operator, group: Group, judged: Judged, best: Best, like: Vector) -> bool:
+    """Whether the best point is within the tolerance as a whole."""
+    if is_exact(judged, best.worst):
+        return True
+    if not best.worst < judged.load < np.inf:
+        return False
+    size = term_size(op, group, judged, best.p, like)
+    return bool(size < np.inf and guarded_residual(best.worst, size, judged.load) <= judged.tolerance)
 
 
 @kernel

@@ -30,11 +30,12 @@ from scipy.sparse import csr_matrix
 
 import lcpflex as lf
 import lcpflex.steppers.time_stepping as time_stepping
-from lcpflex.solvers.contact.cones.large.judging import judge
-from lcpflex.solvers.contact.cones.large.memory import large_cones
-from lcpflex.solvers.contact.cones.large.packing import pack
-from lcpflex.solvers.contact.cones.large.solving import ROOM, solve_large_cones
-from lcpflex.solvers.contact.large.memory import widen
+from lcpflex.solvers.contact.algebra import IN_SPACE
+from lcpflex.solvers.contact.judging import judge
+from lcpflex.solvers.contact.large.memory import large_memory
+from lcpflex.solvers.contact.large.packing import pack
+from lcpflex.solvers.contact.large.solving import ROOM, solve_large
+from lcpflex.solvers.contact.operators.sparse_factor import widen
 from tests.benchmarks.sphere_chart import loose, scene_of
 
 PEER = Path(__file__).parent / "peers" / "siconos_cones.py"
@@ -54,21 +55,21 @@ class Point:
     strict: FloatArray
 
 
-def recorded(count: int, steps: Sequence[int], budget: int) -> list[tuple[Any, FloatArray, dict[str, int], int]]:
+def recorded(count: int, steps: Sequence[int], budget: int) -> list[tuple[Any, dict[str, int], int]]:
     """Of each step the largest problem with its slips and the sizes of its memory, from a run with that budget."""
     kept: dict[int, bytes] = {}
     largest: dict[int, int] = {}
     now = [0]
 
-    def keep(problem: Any, slip: FloatArray, memory: Any) -> int:
+    def keep(problem: Any, memory: Any, like: Any) -> int:
         if now[0] in steps and problem.n_contacts > largest.get(now[0], 0):
-            sizes = {"bodies": len(memory.local), "width": memory.J.shape[3]}
+            sizes = {"bodies": len(memory.local), "width": memory.op.J.shape[3]}
             largest[now[0]] = problem.n_contacts
-            kept[now[0]] = pickle.dumps((problem, np.array(slip), sizes, len(memory.kind)))
-        return int(solve_large_cones(problem, slip, memory))
+            kept[now[0]] = pickle.dumps((problem, sizes, len(memory.scale)))
+        return int(solve_large(problem, memory, like))
 
     hooks = time_stepping.solver_hooks
-    time_stepping.solver_hooks = lambda *given: {**hooks(*given), solve_large_cones: keep}
+    time_stepping.solver_hooks = lambda *given: {**hooks(*given), solve_large: keep}
     try:
         places, width = loose(count)
         stepper = lf.MoreauJean(step=STEP, solver_tolerance=1e-6, budget=budget)
@@ -82,44 +83,44 @@ def recorded(count: int, steps: Sequence[int], budget: int) -> list[tuple[Any, F
     return [pickle.loads(kept[k]) for k in sorted(kept)]
 
 
-def solved(problem: tuple[Any, FloatArray, dict[str, int], int], budget: int) -> tuple[float, float]:
+def solved(problem: tuple[Any, dict[str, int], int], budget: int) -> tuple[float, float]:
     """Milliseconds and residual of lcpflex, the order of the elimination found anew."""
-    rows, slips, sizes, units = problem
-    memory = large_cones(sizes, units, sizes["bodies"])
-    memory.tolerance, memory.factor_limit, memory.operation_limit = TOLERANCE, budget, math.inf
-    start, room = rows.p.copy(), True
+    rows, sizes, units = problem
+    memory = large_memory(sizes["bodies"], units, sizes["bodies"], sizes["width"], 3)
+    memory.judged.tolerance, memory.search.factor_limit, memory.search.operation_limit = TOLERANCE, budget, math.inf
+    start, slip, room = rows.p.copy(), rows.slip.copy(), True
     while room:
         rows.p[:] = start
-        slip = slips.copy()
-        memory.factor.known = 0
+        rows.slip[:] = slip
+        memory.op.factor.known = 0
         began = time.process_time()
-        room = solve_large_cones(rows, slip, memory) == ROOM
+        room = solve_large(rows, memory, IN_SPACE) == ROOM
         spent = time.process_time() - began
         if room:
-            widen(memory.factor)
+            widen(memory.op.factor)
     rows.p[:] = start
-    return 1e3 * spent, float(memory.strict)
+    return 1e3 * spent, float(memory.judged.strict)
 
 
-def packed(problem: tuple[Any, FloatArray, dict[str, int], int]) -> Any:
+def packed(problem: tuple[Any, dict[str, int], int]) -> Any:
     """The problem in units."""
-    rows, _, sizes, units = problem
-    memory = large_cones(sizes, units, sizes["bodies"])
-    pack(rows, memory)
+    rows, sizes, units = problem
+    memory = large_memory(sizes["bodies"], units, sizes["bodies"], sizes["width"], 3)
+    pack(rows, memory, IN_SPACE)
     return memory
 
 
 def delassus(memory: Any) -> csr_matrix:
     """J J^T of a problem in units, by blocks."""
-    n, width = memory.n_units, memory.J.shape[3]
+    n, width = memory.group.n, memory.op.J.shape[3]
     row, column, value = [], [], []
     for side in range(2):
-        k = np.flatnonzero(memory.body[:n, side] >= 0)
-        at = memory.pos[memory.body[k, side]]
+        k = np.flatnonzero(memory.op.body[:n, side] >= 0)
+        at = memory.op.pos[memory.op.body[k, side]]
         row.append(np.broadcast_to(3 * k[:, None, None] + np.arange(3)[:, None], (len(k), 3, width)).ravel())
         column.append(np.broadcast_to(at[:, None, None] + np.arange(width), (len(k), 3, width)).ravel())
-        value.append(memory.J[k, side].ravel())
-    shape = (3 * n, memory.n_unknowns)
+        value.append(memory.op.J[k, side].ravel())
+    shape = (3 * n, memory.op.n_unknowns)
     J = csr_matrix((np.concatenate(value), (np.concatenate(row), np.concatenate(column))), shape)
     blocks = (J @ J.T).tobsr(blocksize=(3, 3))
     blocks.sort_indices()
@@ -131,12 +132,12 @@ def of_siconos(problems: list[Any]) -> dict[str, list[Point]]:
     stored: dict[str, FloatArray] = {}
     memories = [packed(problem) for problem in problems]
     for i, memory in enumerate(memories):
-        n = memory.n_units
+        n = memory.group.n
         G, s = delassus(memory), memory.scale[:n]
         pairs = s[np.repeat(np.arange(n), np.diff(G.indptr))] * s[G.indices]
         stored |= {f"first_{i}": G.indptr, f"column_{i}": G.indices, f"block_{i}": G.data / pairs[:, None, None]}
-        stored |= {f"q_{i}": (memory.free[:n] / s[:, None]).ravel(), f"mu_{i}": memory.mu[:n]}
-        stored[f"start_{i}"] = (memory.q[:n] * s[:, None]).ravel()
+        stored |= {f"q_{i}": (memory.group.free[:n] / s[:, None]).ravel(), f"mu_{i}": memory.group.mu[:n]}
+        stored[f"start_{i}"] = (memory.group.p[:n] * s[:, None]).ravel()
     with tempfile.TemporaryDirectory() as folder:
         np.savez(Path(folder) / "problems.npz", **stored)
         command = [PYTHON, str(PEER), str(Path(folder) / "problems.npz"), *map(str, SWEEPS)]
@@ -150,9 +151,9 @@ def of_siconos(problems: list[Any]) -> dict[str, list[Point]]:
     runs: dict[tuple[str, int], list[tuple[float, float]]] = {}
     for found in json.loads(out.strip().rsplit("\n", 1)[-1]):
         memory = memories[found["problem"]]
-        n = memory.n_units
-        memory.q[:n] = np.reshape(found["force"], (n, 3)) / memory.scale[:n, None]
-        strict = judge(memory, memory.q) / memory.load
+        n = memory.group.n
+        memory.group.p[:n] = np.reshape(found["force"], (n, 3)) / memory.scale[:n, None]
+        strict = judge(memory.op, memory.group, memory.judged, memory.group.p, IN_SPACE) / memory.judged.load
         runs.setdefault((found["method"], found["bound"]), []).append((1e3 * found["seconds"], strict))
     for (method, bound), pairs_of in runs.items():
         spent, strict = np.transpose(pairs_of)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from lcpflex.solvers.contact.algebra import PLANAR
 from lcpflex.solvers.contact.large.memory import LargeMemory, grown, large_memory
 from lcpflex.solvers.contact.large.solving import ROOM, solve_large
 from lcpflex.solvers.status import SOLVED
@@ -16,7 +17,7 @@ from tests.islands import Island, brick_wall
 def next_step(wall: Island) -> tuple[Callable[[], LargeMemory], LargeMemory]:
     """The problem of a pile at rest once more, from its impulses, with free velocities a little different."""
     bodies = len(wall.size)
-    status, memory = wall.solve(large_memory(bodies, len(wall.friction), 0, bodies, 3))
+    status, memory = wall.solve(large_memory(bodies, len(wall.friction), bodies, 3, 2))
     assert status == SOLVED
     start = wall.p.copy()
     shake = 1e-3 * np.abs(wall.free).max() * np.random.default_rng(0).normal(size=(bodies, 3))
@@ -25,10 +26,10 @@ def next_step(wall: Island) -> tuple[Callable[[], LargeMemory], LargeMemory]:
 
     def solve() -> LargeMemory:
         wall.p[:] = start
-        assert solve_large(problem, memory) == SOLVED
+        assert solve_large(problem, memory, PLANAR) == SOLVED
         return memory
 
-    while solve_large(problem, memory) == ROOM:
+    while solve_large(problem, memory, PLANAR) == ROOM:
         memory = grown(memory, {})
     return solve, memory
 
@@ -45,10 +46,10 @@ def test_time_of_a_factor_grows_little_faster_than_the_pile(
     for size in (64, 144, 324):
         side = round(size**0.5)
         solve, memory = next_step(brick_wall(size, 1) if columns else brick_wall(side, side))
-        contacts.append(memory.n_units)
-        seconds.append(per_call(solve) / memory.factors)
-        assert memory.strict <= 1e-8
-        name, factors = "tower" if columns else "wall", memory.factors
+        contacts.append(memory.group.n)
+        seconds.append(per_call(solve) / memory.newton.factors)
+        assert memory.judged.strict <= 1e-8
+        name, factors = "tower" if columns else "wall", memory.newton.factors
         report(f"{name}, {contacts[-1]:5d} contacts: {factors:4d} factors, {1e3 * seconds[-1]:8.4f} ms each")
     exponent = np.polyfit(np.log(contacts), np.log(seconds), 1)[0]
     report(f"exponent {exponent:.2f}")

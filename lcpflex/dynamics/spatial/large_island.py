@@ -1,4 +1,4 @@
-"""Islands of many contacts in space: their rows for :mod:`lcpflex.solvers.contact.cones.large`."""
+"""Islands of many contacts in space: their rows for :mod:`lcpflex.solvers.contact.large`."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 Without joints in the velocities of its bodies, by sweeps; with joints, or by a solver of the user's, as one dense
 problem. Of many contacts, with joints or where sweeps crawl, by Newton's method in the velocities of bodies
-(:mod:`lcpflex.solvers.contact.cones.large`).
+(:mod:`lcpflex.solvers.contact.large`).
 """
 
 from __future__ import annotations
@@ -18,11 +18,12 @@ from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.least_cones import shorten_island
 from lcpflex.dynamics.spatial.shared_loads import judge_forces, put_forces, share_loads, shares_in_joints
 from lcpflex.jit.kernel import kernel, late_kernel
+from lcpflex.solvers.contact.algebra import IN_SPACE
 from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, is_good, lags, solve_cones
-from lcpflex.solvers.contact.cones.large.solving import ROOM, solve_large_cones
 from lcpflex.solvers.contact.cones.memory import NOTHING_KNOWN, POSED
 from lcpflex.solvers.contact.cones.recollection import keep_force, known_force
-from lcpflex.solvers.contact.large.fronts import lacks_room
+from lcpflex.solvers.contact.large.solving import ROOM, solve_large as solve_many
+from lcpflex.solvers.contact.operators.fronts import lacks_room
 from lcpflex.solvers.contact.recollection import place_of, turn_over
 from lcpflex.solvers.status import SOLVED
 from lcpflex.steppers.island_problems import tell_island
@@ -128,17 +129,17 @@ def solve_large(work: SpatialWork, i: int, warm: bool) -> int:
     large, memory = work.large_solver, work.solver
     n = work.islands.start[i + 1] - work.islands.start[i]
     work.largest = max(work.largest, n)
-    if len(work.white) == 0 or lacks_room(large.factor):  # the latter, where sunk contacts were to be lifted
+    if len(work.white) == 0 or lacks_room(large.op.factor):  # the latter, where sunk contacts were to be lifted
         return RunStatus.GROW
     describe_bodies(work, i)
     begin_joints(work, warm)
-    large.tolerance = memory.tolerance
-    status = solve_large_cones(work.large, memory.slip, large)
+    large.judged.tolerance = memory.tolerance
+    status = solve_many(work.large, large, IN_SPACE)
     if status == ROOM:
         return RunStatus.GROW
-    memory.size, memory.iterations = 3 * n, memory.iterations + large.sweeps + large.factors
+    memory.size, memory.iterations = 3 * n, memory.iterations + large.search.sweeps + large.newton.factors
     if has_joints(work, i):
-        memory.residual, memory.strict = large.residual, large.strict
+        memory.residual, memory.strict = large.judged.residual, large.judged.strict
         return RunStatus.DONE if status == SOLVED else RunStatus.SOLVER_FAILED
     describe_island(work, i)
     judge_island(work, i)
@@ -152,9 +153,9 @@ def solve_large(work: SpatialWork, i: int, warm: bool) -> int:
 def go_on(work: SpatialWork, i: int, solved: bool, recorder: Recorder) -> int:
     """Note how island i was solved; an island of many contacts that was not is an error, or is gone on with."""
     if not solved:
-        large = work.large_solver
+        judged = work.large_solver.judged
         work.large.n_contacts = work.islands.start[i + 1] - work.islands.start[i]
-        large.residual, large.strict = work.solver.residual, work.solver.strict
+        judged.residual, judged.strict = work.solver.residual, work.solver.strict
         if work.strict_large == 1:
             work.unsolved_large = 1
             return RunStatus.SOLVER_FAILED

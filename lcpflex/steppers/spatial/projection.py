@@ -11,7 +11,8 @@ from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.mechanics import displace
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.model.spatial import SpatialModel
-from lcpflex.solvers.contact.cones.large.solving import ROOM, solve_large_cones
+from lcpflex.solvers.contact.algebra import IN_SPACE
+from lcpflex.solvers.contact.large.solving import ROOM, solve_large
 from lcpflex.steppers.projection import begin_lift, end_lift
 
 __all__ = ["lift_island"]
@@ -96,6 +97,6 @@ def lift_in_bodies(model: Any, work: SpatialWork, i: int, m: int, q: FloatArray)
         return False
     describe_bodies(work, i)
     begin_lift(work, m)
-    solved = solve_large_cones(work.large, work.solver.slip, work.large_solver) != ROOM  # as far as it goes
+    solved = solve_large(work.large, work.large_solver, IN_SPACE) != ROOM  # as far as it goes
     end_lift(model, work, m, solved, q)
     return solved

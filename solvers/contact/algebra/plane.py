@@ -162,3 +162,27 @@ def add_block_sizes(block: FloatArray, e: int, p: Vector, v: Vector) -> Vector:
         v[0] + abs(block[e, 0] * p[0]) + abs(block[e, 1] * p[1]),
         v[1] + abs(block[e, 2] * p[0]) + abs(block[e, 3] * p[1]),
     )
+
+
+@vectors.along.of(2)
+@kernel(inline=True)
+def along(a: Vector, factor: float, b: Vector) -> Vector:
+    return a[0] + factor * b[0], a[1] + factor * b[1]
+
+
+@vectors.scaled.of(2)
+@kernel(inline=True)
+def scaled(factor: float, a: Vector) -> Vector:
+    return factor * a[0], factor * a[1]
+
+
+@vectors.dot.of(2)
+@kernel(inline=True)
+def dot(a: Vector, b: Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1]
+
+
+@vectors.lifted.of(2)
+@kernel(inline=True)
+def lifted(v: Vector, mu: float) -> Vector:
+    return v[0] + mu * abs(v[1]), v[1]

@@ -5,6 +5,8 @@ What each function does is said in :mod:`lcpflex.solvers.contact.algebra`.
 
 from __future__ import annotations
 
+import math
+
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.contact.algebra import vectors
 from lcpflex.solvers.contact.algebra.vectors import Vector, add_sparse_row, sparse_dot
@@ -171,3 +173,27 @@ def add_block_sizes(block: FloatArray, e: int, p: Vector, v: Vector) -> Vector:
         v[1] + abs(block[e, 3] * p[0]) + abs(block[e, 4] * p[1]) + abs(block[e, 5] * p[2]),
         v[2] + abs(block[e, 6] * p[0]) + abs(block[e, 7] * p[1]) + abs(block[e, 8] * p[2]),
     )
+
+
+@vectors.along.of(3)
+@kernel(inline=True)
+def along(a: Vector, factor: float, b: Vector) -> Vector:
+    return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
+
+
+@vectors.scaled.of(3)
+@kernel(inline=True)
+def scaled(factor: float, a: Vector) -> Vector:
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
+@vectors.dot.of(3)
+@kernel(inline=True)
+def dot(a: Vector, b: Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@vectors.lifted.of(3)
+@kernel(inline=True)
+def lifted(v: Vector, mu: float) -> Vector:
+    return v[0] + mu * math.hypot(v[1], v[2]), v[1], v[2]

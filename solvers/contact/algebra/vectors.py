@@ -71,6 +71,30 @@ def less(a: Vector, b: Vector) -> Vector:
 
 
 @leaf
+def along(a: Vector, factor: float, b: Vector) -> Vector:
+    """Vector a + factor b."""
+    raise NotImplementedError
+
+
+@leaf
+def scaled(factor: float, a: Vector) -> Vector:
+    """Vector factor a."""
+    raise NotImplementedError
+
+
+@leaf
+def dot(a: Vector, b: Vector) -> float:
+    """Scalar product."""
+    raise NotImplementedError
+
+
+@leaf
+def lifted(v: Vector, mu: float) -> Vector:
+    """The velocity v of a contact as if it lifted off at the rate mu times that of its slip."""
+    raise NotImplementedError
+
+
+@leaf
 def size_of(a: Vector) -> float:
     """The largest abs(a_i); NaN if the first number is none."""
     raise NotImplementedError

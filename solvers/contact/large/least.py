@@ -7,23 +7,26 @@ cone where it sticks. With multipliers z of the effect, p = P_K(J z) is the near
 
     F(z) = J^T (P_K(J z) - p_0) + delta (z - z_last) = 0
 
-is solved by Newton's method with the sparse factor of :mod:`fronts` (the proximal point algorithm of the dual problem).
-Joint rows cost next to nothing: least are the impulses of contacts. As :mod:`lcpflex.solvers.contact.least_forces`, in
-memory linear in contacts. Source: Qi & Sun 2006 (Newton's method for best approximation).
+is solved by Newton's method with the sparse factor of :mod:`lcpflex.solvers.contact.operators.fronts` (the proximal
+point algorithm of the dual problem). Joint rows cost next to nothing: least are the impulses of contacts. As
+:mod:`lcpflex.solvers.contact.least_forces`, in memory linear in contacts, in the plane. Source: Qi & Sun 2006 (Newton's
+method for best approximation).
 """
 
 from __future__ import annotations
 
-import math
-
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.solvers.contact.large.fronts import factorise, has_room, solve
-from lcpflex.solvers.contact.large.judging import judge
-from lcpflex.solvers.contact.large.memory import FRICTIONAL, NORMAL, BodyContacts, LargeMemory
-from lcpflex.solvers.contact.large.newton import BACK, FORTH, OPEN, STICKING
-from lcpflex.solvers.contact.large.ordering import make_pattern
-from lcpflex.solvers.contact.large.packing import add_impulses, unpack, velocities
+from lcpflex.solvers.contact.algebra import PLANAR
+from lcpflex.solvers.contact.best import copy_forces
+from lcpflex.solvers.contact.judging import judge
+from lcpflex.solvers.contact.large.memory import BodyContacts, LargeMemory
+from lcpflex.solvers.contact.large.packing import unpack
 from lcpflex.solvers.contact.large.solving import ROOM
+from lcpflex.solvers.contact.laws import BILATERAL, COULOMB, HALF_LINE
+from lcpflex.solvers.contact.laws.states import BACK, FORTH, OPEN, STICKING
+from lcpflex.solvers.contact.operators import add_effect, defect
+from lcpflex.solvers.contact.operators.fronts import factorise, has_room, solve
+from lcpflex.solvers.contact.operators.ordering import make_pattern
 from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED
 
 __all__ = ["least_impulses"]
@@ -39,23 +42,23 @@ CLOSE = 1e-10  # of the effect: what is left of F
 @kernel
 def read_states(memory: LargeMemory, residual: float) -> None:
     """What each unit does: OPEN, STICKING, or the sense of its friction, from ``best`` and its velocities ``y``."""
-    best, y, kind, state = memory.best, memory.y, memory.kind, memory.state
-    still = SLIPS * max(residual, 1e-10 * memory.load)
-    for k in range(memory.n_units):
+    group, p, y, state = memory.group, memory.best.p, memory.group.y, memory.newton.state
+    still = SLIPS * max(residual, 1e-10 * memory.judged.load)
+    for k in range(group.n):
         state[k] = STICKING
-        if kind[k] <= FRICTIONAL and best[k, 0] <= 0.0 and y[k, 0] > still:
+        if group.law[k] != BILATERAL and p[k, 0] <= 0.0 and y[k, 0] > still:
             state[k] = OPEN
-        elif kind[k] == FRICTIONAL and abs(y[k, 1]) > still:
+        elif group.law[k] == COULOMB and abs(y[k, 1]) > still:
             state[k] = BACK if y[k, 1] > 0.0 else FORTH
 
 
 @kernel
 def nearest(memory: LargeMemory, k: int, normal: float, tangent: float) -> tuple[float, float, float, float, float]:
     """P_K of an impulse of contact k, and its derivative: NN, NT = TN, TT."""
-    mu, state = memory.mu[k], memory.state[k]
+    mu, state = memory.group.mu[k], memory.newton.state[k]
     if state == OPEN:
         return 0.0, 0.0, 0.0, 0.0, 0.0
-    if memory.kind[k] == NORMAL:
+    if memory.group.law[k] == HALF_LINE:
         return (normal, 0.0, 1.0, 0.0, 0.0) if normal > 0.0 else (0.0, 0.0, 0.0, 0.0, 0.0)
     sign = 1.0 if tangent > 0.0 else -1.0
     if state == STICKING:
@@ -76,13 +79,13 @@ def impulses_of(memory: LargeMemory, z: FloatArray, last: FloatArray, delta: flo
 
     The latter is convex: |P_K(J z)|^2 / 2 - p_0 . J z + delta |z - z_last|^2 / 2.
     """
-    y, q, C, scale, change, best = memory.slip, memory.trial, memory.C, memory.scale, memory.change, memory.best
-    velocities(memory, memory.slope, z, y)
-    cost = 0.0
-    for k in range(memory.n_units):
+    op, group, work, best, scale = memory.op, memory.group, memory.newton, memory.best.p, memory.scale
+    y, q, C, change, cost = work.speed, work.trial, work.C, work.change, 0.0
+    add_effect(op, group, z, work.slope, y, PLANAR)
+    for k in range(group.n):
         d = scale[k]
         weight = 1.0 / (d * d * delta)
-        if memory.kind[k] > FRICTIONAL:
+        if group.law[k] == BILATERAL:
             q[k, 0], q[k, 1] = best[k, 0] + free * y[k, 0], best[k, 1] + free * y[k, 1]
             C[k, 0], C[k, 1], C[k, 2], C[k, 3] = free / delta, 0.0, 0.0, free / delta
             cost += 0.5 * free * (y[k, 0] * y[k, 0] + y[k, 1] * y[k, 1])
@@ -91,35 +94,30 @@ def impulses_of(memory: LargeMemory, z: FloatArray, last: FloatArray, delta: flo
             q[k, 0], q[k, 1] = normal / d, tangent / d
             C[k, 0], C[k, 1], C[k, 2], C[k, 3] = weight * nn, weight * nt, weight * nt, weight * tt
             cost += 0.5 * (normal * normal + tangent * tangent) - best[k, 0] * y[k, 0] - best[k, 1] * y[k, 1]
-        change[k, 0], change[k, 1] = q[k, 0] - best[k, 0], q[k, 1] - best[k, 1]
-    rest = memory.rest
-    for i in range(memory.n_unknowns):
-        rest[i] = z[i] - last[i]
-        cost += 0.5 * delta * rest[i] * rest[i]
-    add_impulses(memory, 1.0 / delta, change, rest)
-    total = 0.0
-    for i in range(memory.n_unknowns):
-        total += rest[i] * rest[i]
-    return delta * math.sqrt(total), cost
+        change[k, 0], change[k, 1] = (best[k, 0] - q[k, 0]) / delta, (best[k, 1] - q[k, 1]) / delta
+    for i in range(op.n_unknowns):
+        work.x[i] = z[i] - last[i]
+    size, square = defect(op, group, work.x, change, work.effect, work.rest, PLANAR)
+    return delta * size, cost + 0.5 * delta * square
 
 
 @kernel
 def next_multipliers(memory: LargeMemory, delta: float, free: float, goal: float) -> bool:
     """Newton's method for one z_last, ``point``, which is replaced by z; whether it got there."""
-    last, z, step, rest, best = memory.point, memory.x, memory.step, memory.rest, memory.good_point
-    n = memory.n_unknowns
+    op, work, n = memory.op, memory.newton, memory.op.n_unknowns
+    last, z, step, rest, best = work.point, memory.trial_point, work.step, work.rest, memory.good_point
     for i in range(n):
         best[i] = last[i]
     size, cost = impulses_of(memory, best, last, delta, free)
     for _ in range(STEPS):
         if size <= goal:
             break
-        if not factorise(memory, memory.apart):
+        if not factorise(op, work.C, memory.apart, PLANAR):
             return False
         slope = 0.0
         for i in range(n):
             step[i] = -rest[i]
-        solve(memory, memory.apart, step)
+        solve(op, memory.apart, step)
         for i in range(n):
             slope += delta * rest[i] * step[i]
         length, before = 1.0, size
@@ -144,50 +142,47 @@ def next_multipliers(memory: LargeMemory, delta: float, free: float, goal: float
 def least_impulses(problem: BodyContacts, memory: LargeMemory) -> int:
     """Replace the impulses p that were just found by the least of the same effect; SOLVED, ITERATION_LIMIT or ROOM.
 
-    Right after ``solve_large`` of the same problem. Impulses whose effect differs, so that the residual would be larger
-    and above the tolerance, are not taken. After ROOM, which ``memory.apart`` lacks, p is as it was. The pattern is one
-    of its own, of these contacts alone: neither do later steps depend on it, nor does it depend on earlier ones.
+    Right after ``take_impulses`` of the same problem. Impulses whose effect differs, so that the residual would be
+    larger and above the tolerance, are not taken. After ROOM, which ``memory.apart`` lacks, p is as it was. The pattern
+    is one of its own, of these contacts alone: neither do later steps depend on it, nor does it depend on earlier ones.
     """
-    if memory.n_units < 2:
+    op, group, judged, best, work = memory.op, memory.group, memory.judged, memory.best, memory.newton
+    if group.n < 2:
         return ITERATION_LIMIT
     memory.apart.known = 0
-    if not make_pattern(memory, memory.apart) or not has_room(memory.apart):
+    if not make_pattern(op, group, memory.apart) or not has_room(memory.apart):
         return ROOM
-    residual, factors = judge(memory, memory.best), memory.factors
+    residual = judge(op, group, judged, best.p, PLANAR)
     read_states(memory, residual)
     mean, effect = 0.0, 0.0
-    for k in range(memory.n_units):
-        mean += 1.0 / (memory.scale[k] * memory.scale[k] * memory.n_units)
-        for r in range(2):
-            memory.slope[k, r] = 0.0
-    for i in range(memory.n_unknowns):
-        memory.point[i] = 0.0
-        effect = max(effect, abs(memory.x[i]))
-    before, delta, found = squares(memory, memory.best), FIRST * mean, False
+    for k in range(group.n):
+        mean += 1.0 / (memory.scale[k] * memory.scale[k] * group.n)
+        work.slope[k, 0], work.slope[k, 1] = 0.0, 0.0
+    for i in range(op.n_unknowns):
+        work.point[i] = 0.0
+        effect = max(effect, abs(op.x[i]))
+    before, delta, found = squares(memory, best.p), FIRST * mean, False
     for _ in range(CENTRES):
         if not next_multipliers(memory, delta, FREE * mean, CLOSE * effect):
             break
-        for k in range(memory.n_units):
-            memory.q[k, 0], memory.q[k, 1] = memory.trial[k, 0], memory.trial[k, 1]
-        if judge(memory, memory.q) <= max(residual, memory.tolerance * memory.load):
+        copy_forces(group, work.trial, group.p, PLANAR)
+        if judge(op, group, judged, group.p, PLANAR) <= max(residual, judged.tolerance * judged.load):
             found = True
             break
         delta = max(0.1 * delta, LEAST * mean)
-    memory.factors = factors
-    if not found or squares(memory, memory.q) > before:
+    if not found or squares(memory, group.p) > before:
         return ITERATION_LIMIT
-    for k in range(memory.n_units):
-        memory.best[k, 0], memory.best[k, 1] = memory.q[k, 0], memory.q[k, 1]
-    unpack(problem, memory, memory.best)
+    copy_forces(group, group.p, best.p, PLANAR)
+    unpack(problem, memory, best.p, PLANAR)
     return SOLVED
 
 
 @kernel
-def squares(memory: LargeMemory, q: FloatArray) -> float:
+def squares(memory: LargeMemory, p: FloatArray) -> float:
     """|p|^2 of all contacts."""
     total = 0.0
-    for k in range(memory.n_units):
-        if memory.kind[k] <= FRICTIONAL:
+    for k in range(memory.group.n):
+        if memory.group.law[k] != BILATERAL:
             d = memory.scale[k]
-            total += (q[k, 0] * q[k, 0] + q[k, 1] * q[k, 1]) * d * d
+            total += (p[k, 0] * p[k, 0] + p[k, 1] * p[k, 1]) * d * d
     return total

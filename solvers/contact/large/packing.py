@@ -1,160 +1,153 @@
-"""From rows of a scene to units of an island, and the products with J that everything is made of."""
+"""From rows of a scene to units of an island, each measured by its own diagonal, and back.
+
+D_k = max of the diagonal of J_k J_k^T,   q = p sqrt(D),   y = v / sqrt(D)
+"""
 
 from __future__ import annotations
 
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.solvers.balance import DEAD, contact_units
-from lcpflex.solvers.contact.large.memory import FRICTIONAL, HINGE, JOINT_ROW, NORMAL, BodyContacts, LargeMemory
+from lcpflex.solvers.contact.algebra import Vector
+from lcpflex.solvers.contact.judging import measure_loads
+from lcpflex.solvers.contact.large.memory import BodyContacts, LargeMemory
+from lcpflex.solvers.contact.laws import BILATERAL, COULOMB, HALF_LINE
 
-__all__ = ["add_impulses", "pack", "unpack", "velocities"]
+__all__ = ["pack", "unpack"]
 
 FLOOR = 1e-3  # of the terms of which free velocities are made: less of them is no measure of a residual
 
 
 @kernel
-def pack(problem: BodyContacts, memory: LargeMemory) -> None:
-    """The problem in units: rows, their velocities and impulses scaled by the diagonal of each unit."""
-    bodies, dof, local, pos = problem.bodies, problem.dof, memory.local, memory.pos
-    n, m = problem.n_contacts, problem.n_bodies
+def pack(problem: BodyContacts, memory: LargeMemory, like: Vector) -> None:
+    """The problem in units: rows, their velocities and forces scaled by the diagonal of each unit."""
+    bodies, dof, local, op, group = problem.bodies, problem.dof, memory.local, memory.op, memory.group
     end = 0
-    for b in range(m):
-        body = bodies[b]
-        local[body] = b
-        pos[b] = end
-        end += dof[body + 1] - dof[body]
-    pos[m] = end
-    memory.n_bodies, memory.n_unknowns = m, end
-    for k in range(n):
-        memory.rows[k, 0], memory.rows[k, 1] = problem.normal_row[k], problem.tangent_row[k]
-        memory.kind[k] = FRICTIONAL if problem.tangent_row[k] >= 0 else NORMAL
-        memory.mu[k] = problem.friction[k] if problem.tangent_row[k] >= 0 else 0.0
-    memory.n_units = list_joints(problem, memory, n)
-    for k in range(memory.n_units):
-        pack_unit(problem, memory, k)
-    contact_units(memory.scale, memory.n_units, DEAD)
-    load = 0.0
-    for k in range(memory.n_units):
-        memory.own[k] = scale_unit(problem, memory, k)
-        load = max(load, memory.own[k])
-    memory.load = load
-    for b in range(m):
+    for b in range(problem.n_bodies):
+        local[bodies[b]] = b
+        op.pos[b] = end
+        end += dof[bodies[b] + 1] - dof[bodies[b]]
+    op.pos[problem.n_bodies] = end
+    op.n_bodies, op.n_unknowns = problem.n_bodies, end
+    for k in range(problem.n_contacts):
+        list_contact(problem, memory, k, like)
+    group.n = list_joints(problem, memory, problem.n_contacts, like)
+    for k in range(group.n):
+        pack_unit(problem, memory, k, like)
+    contact_units(memory.scale, group.n, DEAD)
+    for k in range(group.n):
+        scale_unit(problem, memory, k, like)
+    measure_loads(group, memory.judged)
+    for b in range(problem.n_bodies):
         local[bodies[b]] = -1
 
 
 @kernel
-def list_joints(problem: BodyContacts, memory: LargeMemory, count: int) -> int:
-    """Joint rows behind ``count`` contacts, two in a row of the same bodies in one unit; returns how many units."""
-    rows, row_body = problem.joint_row, problem.row_body
-    j = 0
+def list_contact(problem: BodyContacts, memory: LargeMemory, k: int, like: Vector) -> None:
+    """Rows and law of contact k."""
+    first, row, group = problem.tangent_row[k], memory.row, memory.group
+    row[k, 0] = problem.normal_row[k]
+    for e in range(1, len(like)):
+        row[k, e] = first + e - 1 if first >= 0 else -1
+    group.law[k] = COULOMB if first >= 0 else HALF_LINE
+    group.mu[k] = problem.friction[k] if first >= 0 else 0.0
+    group.floor[k] = 0.0
+
+
+@kernel
+def list_joints(problem: BodyContacts, memory: LargeMemory, count: int, like: Vector) -> int:
+    """Joint rows behind ``count`` contacts, up to S in a row of the same bodies in one unit; how many units."""
+    listed, row_body, j = problem.joint_row, problem.row_body, 0
     while j < problem.n_joints:
-        r = rows[j]
-        memory.rows[count, 0], memory.rows[count, 1] = r, -1
-        memory.kind[count] = JOINT_ROW
-        memory.mu[count] = 0.0
-        j += 1
-        if j < problem.n_joints:
-            s = rows[j]
-            if row_body[s, 0] == row_body[r, 0] and row_body[s, 1] == row_body[r, 1]:
-                memory.rows[count, 1] = s
-                memory.kind[count] = HINGE
-                j += 1
+        r, together = listed[j], 0
+        memory.group.law[count], memory.group.mu[count] = BILATERAL, 0.0
+        for e in range(len(like)):
+            memory.row[count, e] = -1
+            if together == e and j < problem.n_joints:
+                s = listed[j]
+                if row_body[s, 0] == row_body[r, 0] and row_body[s, 1] == row_body[r, 1]:
+                    memory.row[count, e] = s
+                    together += 1
+                    j += 1
         count += 1
     return count
 
 
 @kernel
-def pack_unit(problem: BodyContacts, memory: LargeMemory, k: int) -> None:
-    """Rows of unit k as they are, and its own block of J J^T, the larger diagonal entry of it in ``scale``."""
-    dof, white, row_body = problem.dof, problem.white, problem.row_body
-    normal, tangent = memory.rows[k, 0], memory.rows[k, 1]
-    a, b, d = 0.0, 0.0, 0.0
-    first, second = row_body[normal, 0], row_body[normal, 1]
-    memory.body[k, 0] = memory.local[first] if first >= 0 else -1
-    memory.body[k, 1] = memory.local[second] if second >= 0 else -1
-    same = memory.body[k, 0] >= 0 and memory.body[k, 0] == memory.body[k, 1]
+def pack_unit(problem: BodyContacts, memory: LargeMemory, k: int, like: Vector) -> None:
+    """Rows of unit k as they are, and its own block of J J^T, the largest diagonal entry of it in ``scale``."""
+    dof, white, row_body, row = problem.dof, problem.white, problem.row_body, memory.row
+    J, body, own = memory.op.J, memory.op.body, memory.group.own
+    first = row[k, 0]
     for i in range(2):
-        side, along = memory.J[k, 0, i], memory.J[k, 1, i]
-        if memory.body[k, i] < 0:
+        b = row_body[first, i]
+        body[k, i] = memory.local[b] if b >= 0 else -1
+    same = body[k, 0] >= 0 and body[k, 0] == body[k, 1]
+    for i in range(2):
+        if body[k, i] < 0:
             continue
-        body = row_body[normal, i]
-        for j in range(dof[body + 1] - dof[body]):
-            side[j] = white[normal, i, j]
-            along[j] = white[tangent, i, j] if tangent >= 0 else 0.0
-            if same and i == 1:  # a body that touches itself: both blocks in the first
-                memory.J[k, 0, 0, j] += side[j]
-                memory.J[k, 1, 0, j] += along[j]
+        b = row_body[first, i]
+        for e in range(len(like)):
+            r = row[k, e]
+            for j in range(dof[b + 1] - dof[b]):
+                entry = white[r, i, j] if r >= 0 else 0.0
+                J[k, i, e, j] = entry
+                if same and i == 1:  # a body that touches itself: both blocks in the first
+                    J[k, 0, e, j] += entry
     if same:
-        memory.body[k, 1] = -1
+        body[k, 1] = -1
+    largest = 0.0
+    for e in range(len(like)):
+        for f in range(e + 1):
+            total = own_entry(memory, k, e, f)
+            own[k, len(like) * e + f] = total
+            own[k, len(like) * f + e] = total
+        largest = max(largest, own[k, len(like) * e + e])
+    memory.scale[k] = largest
+
+
+@kernel
+def own_entry(memory: LargeMemory, k: int, e: int, f: int) -> float:
+    """Row e of unit k with its row f."""
+    op, total = memory.op, 0.0
     for i in range(2):
-        if memory.body[k, i] >= 0:
-            side, along = memory.J[k, 0, i], memory.J[k, 1, i]
-            for j in range(memory.pos[memory.body[k, i] + 1] - memory.pos[memory.body[k, i]]):
-                a += side[j] * side[j]
-                b += side[j] * along[j]
-                d += along[j] * along[j]
-    memory.W[k, 0], memory.W[k, 1], memory.W[k, 2] = a, b, d
-    memory.scale[k] = max(a, d)
+        b = op.body[k, i]
+        if b >= 0:
+            for j in range(op.pos[b + 1] - op.pos[b]):
+                total += op.J[k, i, e, j] * op.J[k, i, f, j]
+    return total
 
 
 @kernel
-def scale_unit(problem: BodyContacts, memory: LargeMemory, k: int) -> float:
-    """Unit k in its own units; the size of its free velocities."""
-    s, load = memory.scale[k], 0.0
-    for r in range(3):
-        memory.W[k, r] *= s * s
+def scale_unit(problem: BodyContacts, memory: LargeMemory, k: int, like: Vector) -> None:
+    """Unit k in its own units, and the size of its free velocities."""
+    s, group, op, row = memory.scale[k], memory.group, memory.op, memory.row
+    for e in range(len(like) * len(like)):
+        group.own[k, e] *= s * s
     for i in range(2):
-        if memory.body[k, i] >= 0:
-            for r in range(2):
-                row = memory.J[k, r, i]
-                for j in range(memory.pos[memory.body[k, i] + 1] - memory.pos[memory.body[k, i]]):
-                    row[j] *= s
-    for r in range(2):
-        row_of = memory.rows[k, r]
-        memory.q[k, r] = problem.p[row_of] / s if row_of >= 0 else 0.0
-        memory.free[k, r] = problem.free[row_of] * s if row_of >= 0 else 0.0
-        load = max(load, abs(memory.free[k, r]))
-        if row_of >= 0 and memory.kind[k] <= FRICTIONAL:
-            load = max(load, FLOOR * s * problem.terms[row_of - problem.first_contact])
-    return load
+        b = op.body[k, i]
+        if b >= 0:
+            for e in range(len(like)):
+                for j in range(op.pos[b + 1] - op.pos[b]):
+                    op.J[k, i, e, j] *= s
+    load = 0.0
+    for e in range(len(like)):
+        r = row[k, e]
+        group.p[k, e] = problem.p[r] / s if r >= 0 else 0.0
+        group.free[k, e] = problem.free[r] * s if r >= 0 else 0.0
+        load = max(load, abs(group.free[k, e]))
+        if r >= 0 and group.law[k] != BILATERAL:
+            load = max(load, FLOOR * s * problem.terms[r - problem.first_contact])
+    group.load[k], group.unit[k], group.slip[k] = load, 1.0, 0.0
+    if k < len(problem.slip):
+        group.slip[k] = problem.slip[k] * s * s
 
 
 @kernel
-def unpack(problem: BodyContacts, memory: LargeMemory, q: FloatArray) -> None:
-    """Impulses of the rows from those of the units."""
-    for k in range(memory.n_units):
-        for r in range(2):
-            if memory.rows[k, r] >= 0:
-                problem.p[memory.rows[k, r]] = q[k, r] * memory.scale[k]
-
-
-@kernel
-def velocities(memory: LargeMemory, free: FloatArray, x: FloatArray, y: FloatArray) -> None:
-    """y = free + J x of all units."""
-    pos, body, J = memory.pos, memory.body, memory.J
-    for k in range(memory.n_units):
-        normal, tangent = free[k, 0], free[k, 1]
-        for i in range(2):
-            b = body[k, i]
-            if b >= 0:
-                o, size = pos[b], pos[b + 1] - pos[b]
-                side, along = J[k, 0, i], J[k, 1, i]
-                for j in range(size):
-                    normal += side[j] * x[o + j]
-                    tangent += along[j] * x[o + j]
-        y[k, 0], y[k, 1] = normal, tangent
-
-
-@kernel
-def add_impulses(memory: LargeMemory, factor: float, q: FloatArray, x: FloatArray) -> None:
-    """x += factor J^T q."""
-    pos, body, J = memory.pos, memory.body, memory.J
-    for k in range(memory.n_units):
-        normal, tangent = factor * q[k, 0], factor * q[k, 1]
-        if normal != 0.0 or tangent != 0.0:
-            for i in range(2):
-                b = body[k, i]
-                if b >= 0:
-                    o, size = pos[b], pos[b + 1] - pos[b]
-                    side, along = J[k, 0, i], J[k, 1, i]
-                    for j in range(size):
-                        x[o + j] += side[j] * normal + along[j] * tangent
+def unpack(problem: BodyContacts, memory: LargeMemory, p: FloatArray, like: Vector) -> None:
+    """Forces of the rows from those of the units."""
+    for k in range(memory.group.n):
+        for e in range(len(like)):
+            if memory.row[k, e] >= 0:
+                problem.p[memory.row[k, e]] = p[k, e] * memory.scale[k]
+    for k in range(min(problem.n_contacts, len(problem.slip))):
+        problem.slip[k] = memory.group.slip[k] / (memory.scale[k] * memory.scale[k])

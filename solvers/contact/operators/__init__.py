@@ -5,6 +5,18 @@
     push(op, group, k, d)             p_k has become p_k + d
     terms(op, group, k, p, v)         sizes of what cancels in the velocity v of unit k, in its unit
 
+and Newton's method, whose unknowns x are the operator's own, with the change y - base of velocities linear in x:
+
+    unknowns(op, group)               how many
+    add_effect(op, group, x, base, y, like)     y = base + effect of x, for all units
+    defect(op, group, x, change, effect, rest, like)    F = x - what the change of forces comes to; its size, x.x in the
+                                      metric of the operator
+    factorise(op, group, C, like)     of the Jacobian of F with C = -dp/dv (units, S S); False where it is singular
+    solve(op, group, x)               x := J^-1 x by that factor
+    prepare(op, group)                what a factor needs before the first one; False where there is no room for it
+    factor_work(op, group)            multiplications of a factor
+    sweep_work(op, group)             multiplications of a factor that take as long as a sweep
+
 :mod:`.dense` keeps velocities by columns of W; :mod:`.bodies` and :mod:`.factor` keep x = J^T p, W = J J^T, by body and
 by compressed rows; :mod:`.blocks` keeps nothing and adds the blocks of a unit up.
 """
@@ -15,10 +27,13 @@ from typing import Any, TypeAlias
 
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.leaf import leaf
-from lcpflex.solvers.contact.algebra import Vector, own_size
+from lcpflex.solvers.contact.algebra import Vector, own_size, taken
 from lcpflex.solvers.contact.group import Group
 
-__all__ = ["Operator", "begin", "own_terms", "push", "terms", "velocity"]
+__all__ = [
+    "Operator", "add_effect", "begin", "defect", "factor_work", "factorise", "own_terms", "prepare", "push", "solve",
+    "sweep_work", "terms", "unknowns", "velocity",
+]  # fmt: skip
 
 Operator: TypeAlias = Any  # a struct that has kernels for the leaves below
 
@@ -42,8 +57,8 @@ def push(op: Operator, group: Group, k: int, d: Vector) -> None:
 
 
 @leaf
-def terms(op: Operator, group: Group, k: int, p: Vector, v: Vector) -> tuple[float, float]:
-    """Size of the terms that cancel in the velocity v of unit k, which has the force p; the same with its neighbours'.
+def terms(op: Operator, group: Group, k: int, p: FloatArray, v: Vector) -> tuple[float, float]:
+    """Size of the terms that cancel in the velocity v of unit k under the forces p; the same with its neighbours'.
 
     In its unit. An operator that adds bodies up knows of its neighbours just what they do together.
     """
@@ -51,8 +66,61 @@ def terms(op: Operator, group: Group, k: int, p: Vector, v: Vector) -> tuple[flo
 
 
 @kernel(inline=True)
-def own_terms(group: Group, k: int, p: Vector, v: Vector) -> tuple[float, float]:
+def own_terms(group: Group, k: int, p: FloatArray, v: Vector) -> tuple[float, float]:
     """The free velocity along the normal and what its own force does to it; with the rest of v added."""
     free = group.free[k, 0]
-    size = abs(free) + own_size(group.own, k, p)
+    size = abs(free) + own_size(group.own, k, taken(p, k, v))
     return group.unit[k] * size, group.unit[k] * (size + abs(v[0] - free))
+
+
+@leaf
+def unknowns(op: Operator, group: Group) -> int:
+    """How many unknowns Newton's method has."""
+    raise NotImplementedError
+
+
+@leaf
+def add_effect(op: Operator, group: Group, x: FloatArray, base: FloatArray, y: FloatArray, like: Vector) -> None:
+    """Velocities y = base + effect of x of all units, (units, S)."""
+    raise NotImplementedError
+
+
+@leaf
+def defect(
+    op: Operator, group: Group, x: FloatArray, change: FloatArray, effect: FloatArray, rest: FloatArray, like: Vector
+) -> tuple[float, float]:
+    """F to ``rest``: x less what a change of the forces (units, S) comes to. Its size, and x.x in the same metric.
+
+    effect (units, S): the change of velocities by x.
+    """
+    raise NotImplementedError
+
+
+@leaf
+def factorise(op: Operator, group: Group, C: FloatArray, like: Vector) -> bool:
+    """Factor of the Jacobian of F with C = -dp/dv, (units, S S) by rows; False where it is singular."""
+    raise NotImplementedError
+
+
+@leaf
+def solve(op: Operator, group: Group, x: FloatArray) -> None:
+    """x := J^-1 x by the factor made last."""
+    raise NotImplementedError
+
+
+@leaf
+def prepare(op: Operator, group: Group) -> bool:
+    """Make ready for factors of this problem; False where there is no room for them."""
+    raise NotImplementedError
+
+
+@leaf
+def factor_work(op: Operator, group: Group) -> float:
+    """Multiplications of a factor."""
+    raise NotImplementedError
+
+
+@leaf
+def sweep_work(op: Operator, group: Group) -> float:
+    """Multiplications of a factor that take as long as a sweep."""
+    raise NotImplementedError

@@ -44,10 +44,10 @@ def push(op: Blocks, group: Group, k: int, d: Vector) -> None:
 
 @operators.terms.of(Blocks)
 @kernel(inline=True)
-def terms(op: Blocks, group: Group, k: int, p: Vector, v: Vector) -> tuple[float, float]:
+def terms(op: Blocks, group: Group, k: int, p: FloatArray, v: Vector) -> tuple[float, float]:
     """|free| + |W_kc| |p_c| of the units c that k has a block with."""
-    size = absolute(taken(group.free, k, p))
+    size = absolute(taken(group.free, k, v))
     for e in range(op.first[k], op.first[k + 1]):
-        size = add_block_sizes(op.block, e, taken(group.p, op.other[e], p), size)
+        size = add_block_sizes(op.block, e, taken(p, op.other[e], v), size)
     largest = group.unit[k] * size_of(size)
     return largest, largest

@@ -12,6 +12,7 @@ from lcpflex.solvers.contact import operators
 from lcpflex.solvers.contact.algebra import Vector, add_rows, rows_on, taken
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.operators import own_terms
+from lcpflex.solvers.contact.operators.sparse_factor import SparseFactor
 
 __all__ = ["Bodies"]
 
@@ -26,6 +27,7 @@ class Bodies:
     body: IntArray = array("units", 2)  # -1: none, or one that nothing moves
     J: FloatArray = array("units", 2, "rows", "width")
     x: FloatArray = array("unknowns")
+    factor: SparseFactor  # of Newton's method
 
 
 @operators.begin.of(Bodies)
@@ -62,6 +64,6 @@ def push(op: Bodies, group: Group, k: int, d: Vector) -> None:
 
 @operators.terms.of(Bodies)
 @kernel(inline=True)
-def terms(op: Bodies, group: Group, k: int, p: Vector, v: Vector) -> tuple[float, float]:
+def terms(op: Bodies, group: Group, k: int, p: FloatArray, v: Vector) -> tuple[float, float]:
     """Of its own force, and of all others together."""
     return own_terms(group, k, p, v)

@@ -48,16 +48,16 @@ def push(op: Dense, group: Group, k: int, d: Vector) -> None:
 
 @operators.terms.of(Dense)
 @kernel
-def terms(op: Dense, group: Group, k: int, p: Vector, v: Vector) -> tuple[float, float]:
+def terms(op: Dense, group: Group, k: int, p: FloatArray, v: Vector) -> tuple[float, float]:
     """|free| + |W| |p|, the largest of its rows."""
     largest = 0.0
-    for e in range(len(p)):
+    for e in range(len(v)):
         r = op.row[k, e]
         if r >= 0:
             size = abs(op.free[r])
             for c in range(group.n):
-                for f in range(len(p)):
+                for f in range(len(v)):
                     if op.row[c, f] >= 0:
-                        size += abs(op.columns[op.row[c, f], r] * group.p[c, f])
+                        size += abs(op.columns[op.row[c, f], r] * p[c, f])
             largest = max(largest, size)
     return group.unit[k] * largest, group.unit[k] * largest

@@ -49,6 +49,6 @@ def push(op: Factor, group: Group, k: int, d: Vector) -> None:
 
 @operators.terms.of(Factor)
 @kernel(inline=True)
-def terms(op: Factor, group: Group, k: int, p: Vector, v: Vector) -> tuple[float, float]:
+def terms(op: Factor, group: Group, k: int, p: FloatArray, v: Vector) -> tuple[float, float]:
     """Of its own force, and of all others together."""
     return own_terms(group, k, p, v)

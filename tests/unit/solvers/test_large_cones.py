@@ -9,9 +9,10 @@ import pytest
 
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import allocate
-from lcpflex.solvers.contact.cones.large.memory import large_cones
-from lcpflex.solvers.contact.cones.large.solving import ROOM, solve_large_cones
-from lcpflex.solvers.contact.large.memory import BodyContacts, widen
+from lcpflex.solvers.contact.algebra import IN_SPACE
+from lcpflex.solvers.contact.large.memory import BodyContacts, large_memory
+from lcpflex.solvers.contact.large.solving import ROOM, solve_large
+from lcpflex.solvers.contact.operators.sparse_factor import widen
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED
 
@@ -71,6 +72,7 @@ class Posed:
             friction=friction,
             joint_row=np.arange(self.joints),
             bodies=np.arange(bodies),
+            slip=np.zeros(self.n),
         )  # fmt: skip
 
     @staticmethod
@@ -87,12 +89,12 @@ class Posed:
         """Status and memory, from what ``problem.p`` and ``memory`` hold."""
         memory: Any = wanted.pop("memory", None)
         if memory is None:
-            memory = large_cones({"bodies": self.bodies, "width": WIDTH}, self.n + self.joints, self.bodies)
-        memory.tolerance = 1e-10
+            memory = large_memory(self.bodies, self.n + self.joints, self.bodies, WIDTH, 3)
+        memory.judged.tolerance = 1e-10
         for name, value in wanted.items():
-            setattr(memory, name, value)
-        while (status := solve_large_cones(self.problem, np.zeros(self.n), memory)) == ROOM:
-            widen(memory.factor)
+            setattr(memory.judged if name == "tolerance" else memory.search, name, value)
+        while (status := solve_large(self.problem, memory, IN_SPACE)) == ROOM:
+            widen(memory.op.factor)
         return int(status), memory
 
     def judged(self) -> float:
@@ -118,7 +120,7 @@ def test_answers_solve_the_posed_problem(seed: int, joints: int, smooth: bool) -
     posed = Posed(seed, joints=joints, smooth=smooth)
     status, memory = posed.solve()
     assert status == SOLVED
-    assert memory.residual <= 1e-10
+    assert memory.judged.residual <= 1e-10
     assert posed.judged() <= 2e-9
     velocity = posed.J[: posed.joints] @ (posed.J.T @ posed.problem.p) + posed.free[: posed.joints]
     assert np.abs(velocity).max(initial=0.0) <= 1e-8
@@ -131,18 +133,18 @@ def test_units_of_mass_change_nothing(mass: float) -> None:
     other.problem.free[:] = other.free[:] = own.free
     other.problem.terms[:] = own.problem.terms
     (_, first), (_, second) = own.solve(), other.solve()
-    assert (second.factors, second.sweeps) == (first.factors, first.sweeps)
+    assert (second.newton.factors, second.search.sweeps) == (first.newton.factors, first.search.sweeps)
     np.testing.assert_allclose(other.problem.p, mass * own.problem.p, rtol=1e-6, atol=1e-7 * mass)
 
 
 def test_its_own_answer_is_taken_at_once() -> None:
     posed = Posed(1)
     _, memory = posed.solve()
-    assert memory.sweeps > 0
+    assert memory.search.sweeps > 0
     kept = posed.problem.p.copy()
     status, memory = posed.solve(tolerance=1e-8)
     assert status == SOLVED
-    assert memory.sweeps == 0
+    assert memory.search.sweeps == 0
     np.testing.assert_allclose(posed.problem.p, kept, atol=1e-9)
 
 
@@ -151,9 +153,9 @@ def test_the_best_point_is_kept_where_the_budget_ends() -> None:
     posed = Posed(2, bodies=60)
     status, memory = posed.solve(factor_limit=1)
     assert status == ITERATION_LIMIT
-    assert memory.factors <= 1
-    assert memory.strict > 1e-10
-    assert posed.judged() == pytest.approx(memory.strict, rel=0.5)
+    assert memory.newton.factors <= 1
+    assert memory.judged.strict > 1e-10
+    assert posed.judged() == pytest.approx(memory.judged.strict, rel=0.5)
 
 
 def test_a_larger_budget_leaves_less() -> None:
@@ -161,8 +163,8 @@ def test_a_larger_budget_leaves_less() -> None:
     found = []
     for budget in (1, 3, 9):
         _, memory = Posed(2, bodies=60).solve(factor_limit=budget)
-        assert memory.factors == 0
-        found.append(memory.strict)
+        assert memory.newton.factors == 0
+        found.append(memory.judged.strict)
     assert found[0] > 3.0 * found[1] > 100.0 * found[2]
 
 
@@ -171,7 +173,7 @@ def test_sweeps_take_the_place_of_dear_factors() -> None:
     posed = Posed(4, bodies=200, reach=(1, 17, 41, 83))
     status, memory = posed.solve(factor_limit=5, tolerance=1e-9)
     assert status == SOLVED
-    assert memory.factor.work > 5e7
-    assert memory.factors <= 2
-    assert memory.sweeps > 200
+    assert memory.op.factor.work > 5e7
+    assert memory.newton.factors <= 2
+    assert memory.search.sweeps > 200
     assert posed.judged() <= 2e-9

@@ -8,7 +8,9 @@ Duff & Reid 1983 (fronts), Liu 1992 (the order of fronts and their stack).
 from __future__ import annotations
 
 from lcpflex.jit.kernel import IntArray, kernel
-from lcpflex.solvers.contact.large.memory import LargeMemory, SparseFactor
+from lcpflex.solvers.contact.group import Group
+from lcpflex.solvers.contact.operators.bodies import Bodies
+from lcpflex.solvers.contact.operators.sparse_factor import SparseFactor
 
 __all__ = ["make_pattern"]
 
@@ -18,40 +20,40 @@ WASTE = 0.15  # of a front that may be zero where two are joined
 
 
 @kernel
-def make_pattern(memory: LargeMemory, factor: SparseFactor) -> bool:
+def make_pattern(op: Bodies, group: Group, factor: SparseFactor) -> bool:
     """The pattern of ``factor`` for the pairs of bodies of all units; False where ``pool`` is too small.
 
     A pattern that is known and holds all pairs is kept, unless half of them are gone.
     """
-    pairs = list_neighbours(memory, factor)
-    if keeps(memory, factor, pairs):
-        hand_units(memory, factor)
+    pairs = list_neighbours(op, group, factor)
+    if keeps(op, group, factor, pairs):
+        hand_units(op, group, factor)
         return True
     factor.known = 0
-    for b in range(memory.n_bodies):
-        factor.size[b] = memory.pos[b + 1] - memory.pos[b]
-    factor.n_bodies = memory.n_bodies
+    for b in range(op.n_bodies):
+        factor.size[b] = op.pos[b + 1] - op.pos[b]
+    factor.n_bodies = op.n_bodies
     if not eliminate(factor):
-        factor.room_pool = 2 * len(factor.pool) + memory.n_units
+        factor.room_pool = 2 * len(factor.pool) + group.n
         return False
     put_children_first(factor)
     join_nodes(factor)
     measure_nodes(factor)
     factor.pairs = pairs
     factor.known = 1
-    hand_units(memory, factor)
+    hand_units(op, group, factor)
     return True
 
 
 @kernel
-def list_neighbours(memory: LargeMemory, factor: SparseFactor) -> int:
+def list_neighbours(op: Bodies, group: Group, factor: SparseFactor) -> int:
     """Neighbours of each body, each once, in compressed form; returns the number of pairs."""
-    body, start, length, near, mark = memory.body, factor.start, factor.length, factor.near, factor.mark
-    n = memory.n_bodies
+    body, start, length, near, mark = op.body, factor.start, factor.length, factor.near, factor.mark
+    n = op.n_bodies
     for b in range(n):
         length[b] = 0
         mark[b] = -1
-    for k in range(memory.n_units):
+    for k in range(group.n):
         if body[k, 0] >= 0 and body[k, 1] >= 0:
             length[body[k, 0]] += 1
             length[body[k, 1]] += 1
@@ -59,7 +61,7 @@ def list_neighbours(memory: LargeMemory, factor: SparseFactor) -> int:
     for b in range(n):
         start[b + 1] = start[b] + length[b]
         length[b] = 0
-    for k in range(memory.n_units):
+    for k in range(group.n):
         a, b = body[k, 0], body[k, 1]
         if a >= 0 and b >= 0:
             near[start[a] + length[a]] = b
@@ -81,13 +83,13 @@ def list_neighbours(memory: LargeMemory, factor: SparseFactor) -> int:
 
 
 @kernel
-def keeps(memory: LargeMemory, factor: SparseFactor, pairs: int) -> bool:
+def keeps(op: Bodies, group: Group, factor: SparseFactor, pairs: int) -> bool:
     """Whether the pattern known serves: the same bodies, all pairs in it, and not many more."""
-    n = memory.n_bodies
+    n = op.n_bodies
     if factor.known == 0 or factor.n_bodies != n or 2 * pairs < factor.pairs:
         return False
     for b in range(n):
-        if factor.size[b] != memory.pos[b + 1] - memory.pos[b]:
+        if factor.size[b] != op.pos[b + 1] - op.pos[b]:
             return False
     place, pool, pool_start, pool_length = factor.place, factor.pool, factor.pool_start, factor.pool_length
     mark = factor.mark
@@ -344,20 +346,20 @@ def stack_height(factor: SparseFactor) -> int:
 
 
 @kernel
-def hand_units(memory: LargeMemory, factor: SparseFactor) -> None:
+def hand_units(op: Bodies, group: Group, factor: SparseFactor) -> None:
     """Units by the first of their bodies that is eliminated."""
-    body, place, start, units = memory.body, factor.place, factor.unit_start, factor.unit_list
-    n = memory.n_bodies
+    body, place, start, units = op.body, factor.place, factor.unit_start, factor.unit_list
+    n = op.n_bodies
     for at in range(n + 1):
         start[at] = 0
-    for k in range(memory.n_units):
+    for k in range(group.n):
         if body[k, 0] >= 0 or body[k, 1] >= 0:
             start[earlier(place, body[k, 0], body[k, 1])] += 1
     total = 0
     for at in range(n + 1):
         total += start[at]
         start[at] = total
-    for k in range(memory.n_units - 1, -1, -1):
+    for k in range(group.n - 1, -1, -1):
         if body[k, 0] >= 0 or body[k, 1] >= 0:
             at = earlier(place, body[k, 0], body[k, 1])
             start[at] -= 1

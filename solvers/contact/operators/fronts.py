@@ -8,8 +8,10 @@ beyond it. Source: Duff & Reid 1984 (unsymmetric sets of linear equations).
 from __future__ import annotations
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.jit.leaf import in_space
-from lcpflex.solvers.contact.large.memory import LargeMemory, SparseFactor
+from lcpflex.jit.leaf import leaf
+from lcpflex.solvers.contact.algebra import Vector
+from lcpflex.solvers.contact.operators.bodies import Bodies
+from lcpflex.solvers.contact.operators.sparse_factor import SparseFactor
 from lcpflex.solvers.semidefinite import dot
 
 __all__ = ["factorise", "has_room", "lacks_room", "solve"]
@@ -37,17 +39,17 @@ def lacks_room(factor: SparseFactor) -> bool:
 
 
 @kernel
-def factorise(memory: LargeMemory, factor: SparseFactor) -> bool:
-    """LU factor of I + J^T C J in the pattern of ``factor``; False where a pivot is too small."""
+def factorise(op: Bodies, C: FloatArray, factor: SparseFactor, like: Vector) -> bool:
+    """LU factor of I + J^T C J in the pattern of ``factor``, C (units, S S); False where a pivot is too small."""
     values, front = factor.values, factor.front
     height, count = 0, 0
     sizes = factor.following
     for s in range(factor.n_nodes):
         width, pivots = factor.node_width[s], factor.node_pivots[s]
-        begin_front(memory, factor, s)
+        begin_front(factor, s)
         for at in range(factor.node_first[s], factor.node_first[s + 1]):
             for e in range(factor.unit_start[at], factor.unit_start[at + 1]):
-                add_unit(memory, factor, factor.unit_list[e], width)
+                add_unit(op, C, factor, factor.unit_list[e], width, like)
         for _ in range(factor.node_children[s]):
             count -= 1
             child = sizes[count]
@@ -72,12 +74,11 @@ def factorise(memory: LargeMemory, factor: SparseFactor) -> bool:
             sizes[count] = s
             count += 1
             height += rest * rest
-    memory.factors += 1
     return True
 
 
 @kernel
-def begin_front(memory: LargeMemory, factor: SparseFactor, s: int) -> None:
+def begin_front(factor: SparseFactor, s: int) -> None:
     """The front of supernode s with the identity of the bodies it eliminates, and where each body is in it."""
     order, size, offset, pool = factor.order, factor.size, factor.offset, factor.pool
     front, width = factor.front, factor.node_width[s]
@@ -95,30 +96,59 @@ def begin_front(memory: LargeMemory, factor: SparseFactor, s: int) -> None:
         end += size[pool[e]]
 
 
-@in_space("lcpflex.solvers.contact.cones.large.fronts")
-@kernel
-def add_unit(memory: LargeMemory, factor: SparseFactor, k: int, width: int) -> None:
+@leaf
+def add_unit(op: Bodies, C: FloatArray, factor: SparseFactor, k: int, width: int, like: Vector) -> None:
     """J_k^T C_k J_k to the front."""
-    front, body, size, offset = factor.front, memory.body, factor.size, factor.offset
-    nn, nt, tn, tt = memory.C[k, 0], memory.C[k, 1], memory.C[k, 2], memory.C[k, 3]
+    raise NotImplementedError
+
+
+@add_unit.of(2)
+@kernel
+def add_two_rows(op: Bodies, C: FloatArray, factor: SparseFactor, k: int, width: int, like: Vector) -> None:
+    """A unit in the plane."""
+    front, body, size, offset, J = factor.front, op.body, factor.size, factor.offset, op.J
+    nn, nt, tn, tt = C[k, 0], C[k, 1], C[k, 2], C[k, 3]
     if nn == 0.0 and tt == 0.0:
         return
     for g in range(2):
         a = body[k, g]
         if a < 0:
             continue
-        normal, tangent = memory.J[k, 0, g], memory.J[k, 1, g]
         for i in range(size[a]):
-            left = normal[i] * nn + tangent[i] * tn
-            right = normal[i] * nt + tangent[i] * tt
+            n, t = J[k, g, 0, i], J[k, g, 1, i]
+            left, right = n * nn + t * tn, n * nt + t * tt
             row = (offset[a] + i) * width
             for h in range(2):
                 b = body[k, h]
                 if b >= 0:
-                    side, along = memory.J[k, 0, h], memory.J[k, 1, h]
                     column = row + offset[b]
                     for j in range(size[b]):
-                        front[column + j] += left * side[j] + right * along[j]
+                        front[column + j] += left * J[k, h, 0, j] + right * J[k, h, 1, j]
+
+
+@add_unit.of(3)
+@kernel
+def add_three_rows(op: Bodies, C: FloatArray, factor: SparseFactor, k: int, width: int, like: Vector) -> None:
+    """A unit in space."""
+    front, body, size, offset, J = factor.front, op.body, factor.size, factor.offset, op.J
+    if C[k, 0] == 0.0:
+        return
+    for g in range(2):
+        a = body[k, g]
+        if a < 0:
+            continue
+        for i in range(size[a]):
+            n, t, s = J[k, g, 0, i], J[k, g, 1, i], J[k, g, 2, i]
+            left = n * C[k, 0] + t * C[k, 3] + s * C[k, 6]
+            middle = n * C[k, 1] + t * C[k, 4] + s * C[k, 7]
+            right = n * C[k, 2] + t * C[k, 5] + s * C[k, 8]
+            row = (offset[a] + i) * width
+            for h in range(2):
+                b = body[k, h]
+                if b >= 0:
+                    column = row + offset[b]
+                    for j in range(size[b]):
+                        front[column + j] += left * J[k, h, 0, j] + middle * J[k, h, 1, j] + right * J[k, h, 2, j]
 
 
 @kernel
@@ -204,9 +234,9 @@ def update_rest(front: FloatArray, width: int, start: int, panel: int) -> None:
 
 
 @kernel
-def solve(memory: LargeMemory, factor: SparseFactor, x: FloatArray) -> None:
+def solve(op: Bodies, factor: SparseFactor, x: FloatArray) -> None:
     """x <- H^-1 x in place."""
-    pos = memory.pos
+    pos = op.pos
     order, size, pool, values, swap = factor.order, factor.size, factor.pool, factor.values, factor.swap
     z = factor.gathered
     for turn in range(2):

@@ -1,1 +1,0 @@
-"""Contact problems of many contacts in space, in the velocities of bodies: no Delassus operator is formed."""

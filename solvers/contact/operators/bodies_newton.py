@@ -1,0 +1,96 @@
+"""What Newton's method asks of rows by body: its unknowns are the changes x = J^T p of the velocities of bodies.
+
+(I + J^T C J) dx = -F,   F = x - J^T (q - c),   measured by its length
+"""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.solvers.contact import operators
+from lcpflex.solvers.contact.algebra import Vector, add_rows, put, rows_on, scaled, taken
+from lcpflex.solvers.contact.group import Group
+from lcpflex.solvers.contact.operators.bodies import Bodies
+from lcpflex.solvers.contact.operators.fronts import factorise, has_room, solve
+from lcpflex.solvers.contact.operators.ordering import make_pattern
+
+__all__: list[str] = []
+
+UNIT_WORK = 900.0  # measured: multiplications of a factor that take as long as a sweep over one unit in space
+
+
+@operators.unknowns.of(Bodies)
+@kernel(inline=True)
+def unknowns(op: Bodies, group: Group) -> int:
+    """Velocities of the bodies."""
+    return op.n_unknowns
+
+
+@operators.add_effect.of(Bodies)
+@kernel
+def add_effect(op: Bodies, group: Group, x: FloatArray, base: FloatArray, y: FloatArray, like: Vector) -> None:
+    """y = base + J x."""
+    for k in range(group.n):
+        v = taken(base, k, like)
+        for side in range(2):
+            b = op.body[k, side]
+            if b >= 0:
+                v = rows_on(op.J, k, side, x, op.pos[b], op.pos[b + 1] - op.pos[b], v)
+        put(y, k, v)
+
+
+@operators.defect.of(Bodies)
+@kernel
+def defect(
+    op: Bodies, group: Group, x: FloatArray, change: FloatArray, effect: FloatArray, rest: FloatArray, like: Vector
+) -> tuple[float, float]:
+    """F = x - J^T change to ``rest``; |F|, and |x|^2."""
+    square, total = 0.0, 0.0
+    for i in range(op.n_unknowns):
+        rest[i] = x[i]
+        square += x[i] * x[i]
+    for k in range(group.n):
+        d = scaled(-1.0, taken(change, k, like))
+        for side in range(2):
+            b = op.body[k, side]
+            if b >= 0:
+                add_rows(op.J, k, side, rest, op.pos[b], op.pos[b + 1] - op.pos[b], d)
+    for i in range(op.n_unknowns):
+        total += rest[i] * rest[i]
+    return math.sqrt(total), square
+
+
+@operators.factorise.of(Bodies)
+@kernel
+def factorise_bodies(op: Bodies, group: Group, C: FloatArray, like: Vector) -> bool:
+    """By fronts, in the pattern of ``op.factor``."""
+    return factorise(op, C, op.factor, like)
+
+
+@operators.solve.of(Bodies)
+@kernel
+def solve_bodies(op: Bodies, group: Group, x: FloatArray) -> None:
+    """By the factor made last."""
+    solve(op, op.factor, x)
+
+
+@operators.prepare.of(Bodies)
+@kernel
+def prepare(op: Bodies, group: Group) -> bool:
+    """The pattern of the factor, which is kept while it serves."""
+    return make_pattern(op, group, op.factor) and has_room(op.factor)
+
+
+@operators.factor_work.of(Bodies)
+@kernel
+def factor_work(op: Bodies, group: Group) -> float:
+    """As the pattern tells."""
+    return op.factor.work
+
+
+@operators.sweep_work.of(Bodies)
+@kernel
+def sweep_work(op: Bodies, group: Group) -> float:
+    """Linear in the units."""
+    return UNIT_WORK * max(group.n, 1)
