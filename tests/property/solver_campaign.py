@@ -20,10 +20,11 @@ from scipy import sparse
 
 from lcpflex.jit.struct import allocate
 from lcpflex.solvers import Auto, ContactProblem, SpatialContactProblem
-from lcpflex.solvers.contact.cones.large import solving as space
-from lcpflex.solvers.contact.cones.large.memory import large_cones
-from lcpflex.solvers.contact.large import solving as plane
-from lcpflex.solvers.contact.large.memory import BodyContacts, large_memory, widen
+from lcpflex.solvers.contact.algebra import IN_SPACE, PLANAR
+from lcpflex.solvers.contact.large.memory import BodyContacts, large_memory
+from lcpflex.solvers.contact.large.solving import ROOM, solve_large
+from lcpflex.solvers.contact.operators.sparse_factor import widen
+from lcpflex.solvers.contact.strategy import route_names
 from lcpflex.solvers.status import SOLVED
 from tests.property.random_contacts import Drawn, FloatArray, draw, miss
 
@@ -93,17 +94,13 @@ def by_bodies(drawn: Drawn) -> tuple[FloatArray, bool, str]:
         BodyContacts, {}, n_contacts=n, n_joints=pins, n_bodies=drawn.bodies, first_contact=0,
         white=drawn.white, row_body=drawn.body, dof=width * np.arange(drawn.bodies + 1), free=drawn.free.copy(),
         terms=drawn.terms, p=np.zeros(rows), normal_row=first, tangent_row=np.where(mu > 0.0, first + 1, -1),
-        friction=mu, joint_row=np.arange(S * n, rows), bodies=np.arange(drawn.bodies),
+        friction=mu, joint_row=np.arange(S * n, rows), bodies=np.arange(drawn.bodies), slip=np.zeros(n),
     )  # fmt: skip
-    if S == 2:
-        memory: Any = large_memory(drawn.bodies, n, pins, drawn.bodies, width)
-    else:
-        memory = large_cones({"bodies": drawn.bodies, "width": width}, n + pins, drawn.bodies)
-    memory.tolerance, status = 0.1 * TOLERANCE, plane.ROOM
-    while status == plane.ROOM:
-        widen(memory.factor)
-        status = plane.solve_large(problem, memory) if S == 2 else space.solve_large_cones(problem, np.zeros(n), memory)
-    return problem.p, status == SOLVED, (plane if S == 2 else space).ROUTES[memory.route]
+    memory: Any = large_memory(drawn.bodies, n + pins, drawn.bodies, width, S)
+    memory.judged.tolerance = 0.1 * TOLERANCE
+    while (status := solve_large(problem, memory, PLANAR if S == 2 else IN_SPACE)) == ROOM:
+        widen(memory.op.factor)
+    return problem.p, status == SOLVED, route_names(memory.search, memory.attempts)
 
 
 WAYS: dict[str, Callable[[Drawn], tuple[FloatArray, bool, str]]] = {
