@@ -23,7 +23,7 @@ from lcpflex.solvers.contact.best import Best, copy_forces, keep_best
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.judging import Judged, is_enough, is_exact, judge, term_size
 from lcpflex.solvers.contact.laws import COULOMB, answer, derivative, room, soft
-from lcpflex.solvers.contact.operators import Operator, add_effect, defect, factorise, solve, unknowns
+from lcpflex.solvers.contact.operators import Operator, add_effect, defect, factorise, product, solve, unknowns
 
 __all__ = ["LEAST_EPS", "NewtonWork", "answers_at", "convex_start", "linearise", "proximal_newton"]
 
@@ -52,7 +52,6 @@ class NewtonWork:
     centre: FloatArray = array("units", "rows")
     base: FloatArray = array("units", "rows")
     change: FloatArray = array("units", "rows")  # of the forces against the centre
-    effect: FloatArray = array("units", "rows")  # of x on the velocities
     speed: FloatArray = array("units", "rows")
     trial: FloatArray = array("units", "rows")  # forces
     state: IntArray = array("units")
@@ -80,12 +79,10 @@ def answers_at(op: Operator, group: Group, work: NewtonWork, x: FloatArray, eps:
         put(work.change, k, d)
         work.state[k] = state
         if convex:
-            moved = less(y, taken(work.base, k, like))
-            put(work.effect, k, moved)
-            cost += 0.5 / rho * dot(d, along(q, 1.0, c)) + dot(c, moved)
-    size, square = defect(op, group, x, work.change, work.effect, work.rest, like)
-    work.cost = cost + 0.5 * square
-    return size
+            cost += 0.5 / rho * dot(d, along(q, 1.0, c)) + dot(c, less(y, taken(work.base, k, like)))
+    if convex:
+        work.cost = cost + 0.5 * product(op, group, x, x, like)
+    return defect(op, group, x, work.change, work.rest, like)
 
 
 @kernel
@@ -108,15 +105,13 @@ def same_states(group: Group, work: NewtonWork) -> bool:
 
 
 @kernel
-def direction(op: Operator, group: Group, work: NewtonWork, n: int) -> float:
-    """``step`` = -J^-1 F; the slope of the cost along it."""
-    step, rest, slope = work.step, work.rest, 0.0
+def direction(op: Operator, group: Group, work: NewtonWork, n: int, like: Vector) -> float:
+    """``step`` = -J^-1 F; the slope of the cost along it, where laws are convex."""
+    step, rest = work.step, work.rest
     for i in range(n):
         step[i] = -rest[i]
     solve(op, group, step)
-    for i in range(n):
-        slope += rest[i] * step[i]
-    return slope
+    return product(op, group, rest, step, like) if work.convex == 1 else 0.0
 
 
 @kernel
@@ -144,7 +139,7 @@ def solve_inner(
             work.factors += 1
             if not factorise(op, group, work.C, like):
                 return 0
-        cost, slope, length = work.cost, direction(op, group, work, n), 1.0
+        cost, slope, length = work.cost, direction(op, group, work, n, like), 1.0
         while True:
             largest = 0.0
             for i in range(n):

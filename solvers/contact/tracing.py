@@ -85,7 +85,6 @@ def forces_in_states(
     add_effect(op, group, x, work.base, y, like)
     for k in range(group.n):
         rho = 1.0 / soft(group.law[k], eps)
-        work.effect[k, 0], work.effect[k, 1] = y[k, 0] - work.base[k, 0], y[k, 1] - work.base[k, 1]
         y[k, 0] += (1.0 - t) * work.lift[k, 0]
         y[k, 1] += (1.0 - t) * work.lift[k, 1]
         a, along = centre[k, 0] - rho * y[k, 0], centre[k, 1] - rho * y[k, 1]
@@ -99,8 +98,7 @@ def forces_in_states(
         elif group.law[k] == HALF_LINE:
             q[k, 1] = 0.0
         work.change[k, 0], work.change[k, 1] = q[k, 0] - centre[k, 0], q[k, 1] - centre[k, 1]
-    size, _ = defect(op, group, x, work.change, work.effect, work.rest, like)
-    return size
+    return defect(op, group, x, work.change, work.rest, like)
 
 
 @kernel
@@ -110,10 +108,9 @@ def direction(op: Operator, group: Group, work: NewtonWork, like: Vector) -> Non
     for k in range(group.n):
         push[k, 0] = -(C[k, 0] * added[k, 0] + C[k, 1] * added[k, 1])
         push[k, 1] = -(C[k, 2] * added[k, 0] + C[k, 3] * added[k, 1])
-        work.effect[k, 0], work.effect[k, 1] = 0.0, 0.0
     for i in range(unknowns(op, group)):
         work.x[i] = 0.0
-    defect(op, group, work.x, push, work.effect, work.step, like)
+    defect(op, group, work.x, push, work.step, like)
     solve(op, group, work.step)
     add_effect(op, group, work.step, added, work.slope, like)  # lift and what dx does: less 2 lift is dy/dt
     for k in range(group.n):

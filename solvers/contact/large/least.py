@@ -24,7 +24,7 @@ from lcpflex.solvers.contact.large.packing import unpack
 from lcpflex.solvers.contact.large.solving import ROOM
 from lcpflex.solvers.contact.laws import BILATERAL, COULOMB, HALF_LINE
 from lcpflex.solvers.contact.laws.states import BACK, FORTH, OPEN, STICKING
-from lcpflex.solvers.contact.operators import add_effect, defect
+from lcpflex.solvers.contact.operators import add_effect, defect, product
 from lcpflex.solvers.contact.operators.fronts import factorise, has_room, solve
 from lcpflex.solvers.contact.operators.ordering import make_pattern
 from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED
@@ -97,8 +97,8 @@ def impulses_of(memory: LargeMemory, z: FloatArray, last: FloatArray, delta: flo
         change[k, 0], change[k, 1] = (best[k, 0] - q[k, 0]) / delta, (best[k, 1] - q[k, 1]) / delta
     for i in range(op.n_unknowns):
         work.x[i] = z[i] - last[i]
-    size, square = defect(op, group, work.x, change, work.effect, work.rest, PLANAR)
-    return delta * size, cost + 0.5 * delta * square
+    size = defect(op, group, work.x, change, work.rest, PLANAR)
+    return delta * size, cost + 0.5 * delta * product(op, group, work.x, work.x, PLANAR)
 
 
 @kernel

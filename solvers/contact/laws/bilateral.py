@@ -36,14 +36,22 @@ def solve_two(group: Group, k: int, v: Vector, p: Vector) -> tuple[Vector, bool]
 
 
 @solve.of(3)
-@kernel(inline=True)
+@kernel
 def solve_three(group: Group, k: int, v: Vector, p: Vector) -> tuple[Vector, bool]:
-    """One row after the other, each with what those before it do to it."""
+    """By factors L D L^T of W_kk; a row whose pivot is rounding keeps its force."""
     own = group.own
-    d_0 = -v[0] / own[k, 0] if own[k, 0] > 0.0 else 0.0
-    d_1 = -(v[1] + own[k, 1] * d_0) / own[k, 4] if own[k, 4] > 0.0 else 0.0
-    d_2 = -(v[2] + own[k, 2] * d_0 + own[k, 5] * d_1) / own[k, 8] if own[k, 8] > 0.0 else 0.0
-    return (p[0] + d_0, p[1] + d_1, p[2] + d_2), True
+    d_0 = own[k, 0]
+    l_1, l_2 = (own[k, 3] / d_0, own[k, 6] / d_0) if d_0 > 0.0 else (0.0, 0.0)
+    d_1 = own[k, 4] - l_1 * own[k, 3]
+    second = d_1 > SINGULAR * own[k, 4]
+    l_21 = (own[k, 7] - l_2 * own[k, 3]) / d_1 if second else 0.0
+    d_2 = own[k, 8] - l_2 * own[k, 6] - l_21 * l_21 * d_1
+    y_1 = -v[1] + l_1 * v[0]
+    y_2 = -v[2] + l_2 * v[0] - l_21 * y_1
+    x_2 = y_2 / d_2 if d_2 > SINGULAR * own[k, 8] else 0.0
+    x_1 = y_1 / d_1 - l_21 * x_2 if second else 0.0
+    x_0 = -v[0] / d_0 - l_1 * x_1 - l_2 * x_2 if d_0 > 0.0 else 0.0
+    return (p[0] + x_0, p[1] + x_1, p[2] + x_2), True
 
 
 @kernel(inline=True)

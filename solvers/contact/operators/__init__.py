@@ -9,8 +9,8 @@ and Newton's method, whose unknowns x are the operator's own, with the change y 
 
     unknowns(op, group)               how many
     add_effect(op, group, x, base, y, like)     y = base + effect of x, for all units
-    defect(op, group, x, change, effect, rest, like)    F = x - what the change of forces comes to; its size, x.x in the
-                                      metric of the operator
+    product(op, group, a, b, like)    a.b in the metric in which F is measured
+    defect(op, group, x, change, rest, like)    F = x - what the change of forces comes to; its size
     factorise(op, group, C, like)     of the Jacobian of F with C = -dp/dv (units, S S); False where it is singular
     solve(op, group, x)               x := J^-1 x by that factor
     prepare(op, group)                what a factor needs before the first one; False where there is no room for it
@@ -31,8 +31,8 @@ from lcpflex.solvers.contact.algebra import Vector, own_size, taken
 from lcpflex.solvers.contact.group import Group
 
 __all__ = [
-    "Operator", "add_effect", "begin", "defect", "factor_work", "factorise", "own_terms", "prepare", "push", "solve",
-    "sweep_work", "terms", "unknowns", "velocity",
+    "Operator", "add_effect", "begin", "defect", "factor_work", "factorise", "own_terms", "prepare", "product", "push",
+    "solve", "sweep_work", "terms", "unknowns", "velocity",
 ]  # fmt: skip
 
 Operator: TypeAlias = Any  # a struct that has kernels for the leaves below
@@ -86,13 +86,14 @@ def add_effect(op: Operator, group: Group, x: FloatArray, base: FloatArray, y: F
 
 
 @leaf
-def defect(
-    op: Operator, group: Group, x: FloatArray, change: FloatArray, effect: FloatArray, rest: FloatArray, like: Vector
-) -> tuple[float, float]:
-    """F to ``rest``: x less what a change of the forces (units, S) comes to. Its size, and x.x in the same metric.
+def product(op: Operator, group: Group, a: FloatArray, b: FloatArray, like: Vector) -> float:
+    """Scalar product of unknowns in the metric in which F is measured."""
+    raise NotImplementedError
 
-    effect (units, S): the change of velocities by x.
-    """
+
+@leaf
+def defect(op: Operator, group: Group, x: FloatArray, change: FloatArray, rest: FloatArray, like: Vector) -> float:
+    """F to ``rest``: x less what a change of the forces (units, S) comes to; its size."""
     raise NotImplementedError
 
 

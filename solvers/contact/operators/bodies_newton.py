@@ -40,25 +40,29 @@ def add_effect(op: Bodies, group: Group, x: FloatArray, base: FloatArray, y: Flo
         put(y, k, v)
 
 
+@operators.product.of(Bodies)
+@kernel
+def product(op: Bodies, group: Group, a: FloatArray, b: FloatArray, like: Vector) -> float:
+    """a.b, since the matrix of the step is the identity."""
+    total = 0.0
+    for i in range(op.n_unknowns):
+        total += a[i] * b[i]
+    return total
+
+
 @operators.defect.of(Bodies)
 @kernel
-def defect(
-    op: Bodies, group: Group, x: FloatArray, change: FloatArray, effect: FloatArray, rest: FloatArray, like: Vector
-) -> tuple[float, float]:
-    """F = x - J^T change to ``rest``; |F|, and |x|^2."""
-    square, total = 0.0, 0.0
+def defect(op: Bodies, group: Group, x: FloatArray, change: FloatArray, rest: FloatArray, like: Vector) -> float:
+    """F = x - J^T change."""
     for i in range(op.n_unknowns):
         rest[i] = x[i]
-        square += x[i] * x[i]
     for k in range(group.n):
         d = scaled(-1.0, taken(change, k, like))
         for side in range(2):
             b = op.body[k, side]
             if b >= 0:
                 add_rows(op.J, k, side, rest, op.pos[b], op.pos[b + 1] - op.pos[b], d)
-    for i in range(op.n_unknowns):
-        total += rest[i] * rest[i]
-    return math.sqrt(total), square
+    return math.sqrt(product(op, group, rest, rest, like))
 
 
 @operators.factorise.of(Bodies)

@@ -16,10 +16,16 @@ class Dense:
     """The matrix and the velocities of all its rows."""
 
     m: int  # rows
+    symmetric: int  # 1: W is
     columns: FloatArray = array("matrix", "matrix")  # W^T: that of a symmetric W itself
     row: IntArray = array("units", "rows")  # of each unit in the matrix; -1: it has none there
     free: FloatArray = array("matrix")
     y: FloatArray = array("matrix")  # velocities under the forces as they are
+    # of Newton's method, see dense_newton
+    table: FloatArray = array("unknowns", "unknowns")
+    pivots: IntArray = array("unknowns")
+    solution: FloatArray = array("unknowns")
+    caused: FloatArray = array("matrix")
 
 
 @operators.begin.of(Dense)
