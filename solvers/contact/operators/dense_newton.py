@@ -38,7 +38,7 @@ def apply(op: Dense, group: Group, x: FloatArray, like: Vector) -> None:
 @kernel(inline=True)
 def unknowns(op: Dense, group: Group) -> int:
     """All components of all forces."""
-    return group.n * group.p.shape[1]
+    return int(group.n * group.p.shape[1])
 
 
 @operators.add_effect.of(Dense)
