@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -22,9 +22,7 @@ from lcpflex.errors import ModelError, SolverError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, check_solver, posed
 from lcpflex.solvers.clock import check_time_limit, expired, out_of_time, within
-from lcpflex.solvers.contact.block_gauss_seidel import SWEPT, BlockGaussSeidel
 from lcpflex.solvers.contact.lcp_forms import from_copositive
-from lcpflex.solvers.contact.many import FACTORS, Search
 from lcpflex.solvers.contact.parts import solved_by_parts
 from lcpflex.solvers.contact.problem import ContactProblem, aligned
 from lcpflex.solvers.guard import ENDED, FAILED, guarded, joined
@@ -43,6 +41,9 @@ from lcpflex.solvers.problem import NEARLY, Lcp, LcpSolver, PosedProblem, Proble
 from lcpflex.solvers.refusals import has_cones
 from lcpflex.solvers.status import SOLVED, Status
 
+if TYPE_CHECKING:
+    from lcpflex.solvers.contact.many import Search
+
 __all__ = ["TARGET", "Auto", "auto", "auto_workspace", "solve_lcp"]
 
 FLIPS = 5  # exchanges after which a basis from elsewhere was no help
@@ -54,6 +55,7 @@ NEAR = 1e-3  # residual below which a problem is not suspected of having no solu
 TOO_MANY = 3000  # unknowns from which no dense matrix is tried
 PROGRAM = "linear program of Farkas"
 EXACT = "search in whole numbers"
+FACTORS = 600  # sparse factors that one problem of many contacts may take, unless the user says otherwise
 SEARCH = 5e5  # entries that it may compute: a third of a second
 
 KEPT = (Status.INACCURATE, Status.RIGHT_TO_TERMS, Status.TIME_LIMIT)  # what a point is, whoever failed besides
@@ -180,6 +182,8 @@ class Auto:
         guess = aligned(guess, keys)
         if problem.size <= SMALL:
             return replace(self._few(problem, guess, trials, whole=True), keys=keys)
+        from lcpflex.solvers.contact.many import Search  # which the steps of a run do not need
+
         search = Search(problem, guess, self.tolerance, self.factors)
         if search.run(search.swept):
             return replace(search.solution(), keys=keys)
@@ -191,7 +195,7 @@ class Auto:
         """A few contacts, as one LCP. whole: whether they may fall into parts."""
         swept = None
         if problem.delassus is None:
-            swept = BlockGaussSeidel(self.tolerance).solve(problem, guess)
+            swept = _swept(problem, guess, self.tolerance)
             if swept.solved or out_of_time():
                 return swept if swept.solved else replace(swept, route=joined(swept))
         found = self._first(problem.lcp(), guess)
@@ -213,6 +217,8 @@ class Auto:
     def _part(self, part: ContactProblem, guess: Solution | None, trials: int) -> Solution:
         """Contacts that do not fall into parts."""
         if part.size > SMALL:
+            from lcpflex.solvers.contact.many import Search
+
             search = Search(part, guess, self.tolerance, self.factors)
             return search.solution() if search.run(search.swept) else self._many(search, trials)
         return self._few(part, guess, trials, whole=False)
@@ -249,7 +255,7 @@ class Auto:
         if len(problem.tangent):
             steps.append(("lemke on the copositive form", lambda: self._copositive(problem, lcp)))
         if problem.size <= SMALL:
-            steps.append((SWEPT, lambda: BlockGaussSeidel(self.tolerance).solve(problem)))
+            steps.append(("block Gauss-Seidel", lambda: _swept(problem, None, self.tolerance)))
         steps += self._last_steps(lcp)
         steps.append((PERTURBED, lambda: perturbed_newton(lcp, problem.unknown_units.d, self.tolerance, trials)))
         return _descend(lcp, first, steps, self.tolerance)
@@ -297,6 +303,12 @@ class Auto:
     def _infeasible(self, problem: Lcp) -> Solution:
         u = candidate(*problem._data)
         return accept(problem, np.zeros(problem.size), tolerance=self.tolerance, route=PROGRAM, certificate=u)
+
+
+def _swept(problem: ContactProblem, guess: Solution | None, tolerance: float) -> Solution:
+    from lcpflex.solvers.contact.block_gauss_seidel import BlockGaussSeidel  # which the steps of a run do not need
+
+    return BlockGaussSeidel(tolerance).solve(problem, guess)
 
 
 _lemke = lru_cache(Lemke)  # its settings checked once

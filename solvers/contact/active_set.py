@@ -16,7 +16,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.contact.laws.states import BACK, FORTH, OPEN, STICKING
 from lcpflex.solvers.contact.problem import ContactProblem
 
-__all__ = ["free_forces", "in_cones", "on_active_set", "own_blocks", "states_of"]
+__all__ = ["free_forces", "in_cones", "on_active_set", "states_of"]
 
 CORRECTIONS = 6  # of the forces on fixed states
 REGULAR = 1e-9  # of their equations, relative to the diagonal: redundant contacts make them singular
@@ -102,16 +102,3 @@ def _regularised(matrix: Any, weight: FloatArray, free: FloatArray, x: FloatArra
     for _ in range(CORRECTIONS):  # each takes out what the regularisation left in
         x = x + solve(np.concatenate([np.zeros(k), -(velocity(x) + free)]))[k:]
     return np.asarray(x)
-
-
-def own_blocks(J: Any, tangent_of: IntArray) -> FloatArray:
-    """G_NN, G_NT, G_TT of each contact by itself, (n, 3)."""
-    n = len(tangent_of)
-    squares = np.asarray(J.multiply(J).sum(axis=1)).ravel()
-    block = np.zeros((n, 3))
-    block[:, 0] = squares[:n]
-    with_friction = np.flatnonzero(tangent_of >= 0)
-    rows = tangent_of[with_friction]
-    block[with_friction, 1] = np.asarray(J[with_friction].multiply(J[rows]).sum(axis=1)).ravel()
-    block[with_friction, 2] = squares[rows]
-    return block

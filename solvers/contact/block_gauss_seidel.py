@@ -1,111 +1,91 @@
-"""Nonsmooth Gauss-Seidel iteration for Coulomb friction, contact by contact: planar here, in space in :mod:`.cones`.
+"""Nonsmooth Gauss-Seidel iteration for Coulomb friction, contact by contact, in the plane and in space.
 
-The law of one contact, with the forces of all others held, is a problem in two unknowns,
-
-    0 <= v_N = a p + b t + r_N  _|_  p >= 0,    v_T = c p + d t + r_T,    t in -mu p Sign(v_T),
-
-solved exactly: open, sticking, or sliding one way or the other. It needs the Delassus matrix G, or its factor J alone:
-then u = J^T lambda is kept up to date, a contact costs as much as its bodies have coordinates, and memory is linear in
-the contacts. Since the last digits come slowly, the states found are taken as the active set of the whole problem from
-time to time, which ends the iteration as soon as they are right.
-Sources: Jean 1999 (nonsmooth contact dynamics); Jourdan, Alart & Jean 1998.
+The law of one contact, with the forces of all others held, is solved exactly (:mod:`lcpflex.solvers.contact.laws`):
+:func:`lcpflex.solvers.contact.block_iteration.sweep`. It needs the Delassus matrix G, or its factor J alone: then
+u = J^T lambda is kept up to date, a contact costs as much as its bodies have coordinates, and memory is linear in the
+contacts. Since the last digits come slowly, in the plane the states found are taken as the active set of the whole
+problem from time to time, which ends the iteration as soon as they are right.
+Sources: Jean 1999 (nonsmooth contact dynamics); Jourdan, Alart & Jean 1998; Bonnefon & Daviet 2011 (the exact solution
+of one contact in space).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from lcpflex.basics import libs
 from lcpflex.errors import ModelError
-from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess, posed
-from lcpflex.solvers.attention import listening
-from lcpflex.solvers.clock import grown
-from lcpflex.solvers.contact.active_set import free_forces, in_cones, on_active_set, own_blocks
-from lcpflex.solvers.contact.looks import SWEPT, by_looks
-from lcpflex.solvers.contact.problem import ContactProblem, aligned
-from lcpflex.solvers.contact.sweeps import block_gauss_seidel, sweep_blocks, sweep_delassus, sweep_factor
+from lcpflex.solvers.attention import Ear, listening
+from lcpflex.solvers.contact.active_set import free_forces, in_cones, on_active_set
+from lcpflex.solvers.contact.looks import SWEPT, Finish, by_looks
+from lcpflex.solvers.contact.problem import ContactProblem
+from lcpflex.solvers.contact.starts import forces_at, start_of
+from lcpflex.solvers.contact.system import ContactSystem, storage_of
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.lcp.lemke import lemke_workspace
+from lcpflex.solvers.lcp.pivoting import block_pivots
 from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept, restored
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept
 from lcpflex.solvers.refusals import has_cones
-from lcpflex.solvers.status import ITERATION_LIMIT, Status
 
-__all__ = ["SWEPT", "BlockGaussSeidel"]
+__all__ = ["SWEPT", "BlockGaussSeidel", "ByPivots"]
 
-PIVOTING = 900  # unknowns up to which the attempt is made with dense matrices
+EXCHANGES = 5  # of the active set in one attempt to finish
 FINISHED = ", finished on its active set"
-FAR = 1e3  # residual of a guess from which to start would only be to carry its rounding along
 
 
-class _Iteration:
-    """One run of the iteration: its forces and states, the two ways to sweep and the two ways to finish."""
+class ByPivots:
+    """Finishes planar contacts on their active set, a few wrong signs exchanged: by elimination of the dense LCP."""
 
-    def __init__(self, problem: ContactProblem, guess: Solution | None, lcp: Lcp | None) -> None:
-        self.problem = problem
-        n = len(problem.friction)
-        self.tangent_of = np.full(n, -1, dtype=np.int64)
-        self.tangent_of[problem.tangent] = n + np.arange(len(problem.tangent))
-        self.states = np.zeros(n, dtype=np.int64)
-        self.forces = np.zeros(len(problem.free))
-        dense = isinstance(problem.delassus, np.ndarray)
-        self.lcp = problem.lcp() if lcp is None and dense and problem.size <= PIVOTING else lcp
-        self.blocks = problem.coupling if problem.delassus is not None and self.lcp is None else None
-        self.dense: Any = problem._data[0] if problem.delassus is not None and self.blocks is None else None
-        if lcp is not None:  # without friction: its matrix is the operator, and dense whatever its size
-            self.dense = lcp._data[0]
-        self.judge: Lcp | ContactProblem = problem if self.lcp is None else self.lcp
-        start = None if guess is None else aligned(guess, problem.unknown_keys)
-        if start is not None and start.z.shape == (problem.size,):
-            z = np.maximum(start.z, 0.0)
-            if self.judge.residual(z) <= FAR:
-                self.forces = np.concatenate(problem.forces(z))
-        if problem.delassus is None:
-            J = libs.sparse.csr_array(problem.factor)
-            self.J: Any = J
-            self.rows = (J.indptr.astype(np.int64), J.indices.astype(np.int64), np.ascontiguousarray(J.data))
-            self.block = own_blocks(J, self.tangent_of)
-            self.u = np.asarray(J.T @ self.forces)
+    def __init__(self, problem: ContactProblem, lcp: Lcp | None) -> None:
+        self.problem, self.lcp = problem, lcp
+        self.table, self.basis = np.empty((0, 0)), np.empty(0, dtype=np.int64)
+        self.ear: Ear | None = None
 
-    def sweep(self, sweeps: int, target: float) -> tuple[int, float]:
-        """Up to so many sweeps; how many were made, and the largest change of a velocity in the last one."""
-        problem = self.problem
-        common = (*problem._data[1:3], self.tangent_of)
-        if self.dense is not None:
-            return sweep_delassus(self.dense, *common, self.forces, self.states, sweeps, target)
-        if self.blocks is not None:
-            rows = (self.blocks.first, self.blocks.other, self.blocks.block, self.blocks.own)
-            return sweep_blocks(*rows, *common, self.forces, self.states, sweeps, target)
-        return sweep_factor(*self.rows, self.block, *common, self.u, self.forces, self.states, sweeps, target)
+    def __call__(self, z: FloatArray, active: IntArray | None) -> tuple[FloatArray, IntArray | None]:
+        n = len(z)
+        if self.lcp is None:
+            self.lcp = self.problem.lcp()
+        if not len(self.table):
+            self.table, basis = lemke_workspace(n)
+            self.basis, self.ear = listening(basis, n)
+        lcp, point = self.lcp, np.empty(n)
 
-    @property
-    def start(self) -> FloatArray:
-        """What is kept if no other point is better."""
-        return np.zeros(self.problem.size)
+        def exchange() -> int:
+            point[:], self.basis[:n] = z, 0 if active is None else active
+            return block_pivots(*lcp._data, n, point, self.table, self.basis, EXCHANGES)[0]
 
-    def points(self) -> Iterator[tuple[FloatArray, str]]:
-        """z of the three-unknown form, and the same from the active set, each with what the route says of it."""
-        yield self.problem.unknowns(*np.split(self.forces, [len(self.problem.friction)])), ""
-        yield self.corrected(), FINISHED
+        solves = exchange() if self.ear is None else self.ear(exchange)
+        return (point, self.basis[:n].copy()) if solves > 0 else (z, active)
 
-    def corrected(self) -> FloatArray:
-        """z from the equations of the states, v_N = 0 where pressed and v_T = 0 where sticking; the shortest change."""
-        problem, n = self.problem, len(self.problem.friction)
-        if self.dense is None:
-            forces = on_active_set(problem, self.states, self.forces)
-        else:
-            unknown, spread = free_forces(problem, self.states)
-            x = self.forces[unknown]
-            matrix, free = self.dense[unknown] @ spread, problem.free[unknown]
-            for _ in range(2 if len(unknown) else 0):  # the second takes out the rounding of the first
-                x = x - np.linalg.lstsq(matrix, matrix @ x + free, rcond=1e-12)[0]
-            forces = in_cones(problem, np.asarray(spread @ x))
-        return problem.unknowns(*np.split(forces, [n]))
+
+class _Corrected:
+    """Finishes planar contacts by the equations of their states, v_N = 0 where pressed and v_T = 0 where sticking.
+
+    The shortest change of the forces.
+    """
+
+    def __init__(self, system: ContactSystem, dense: FloatArray | None) -> None:
+        self.system, self.dense = system, dense
+
+    def __call__(self, z: FloatArray, active: IntArray | None) -> tuple[FloatArray, IntArray | None]:
+        problem, forces, states = self.system.problem, self.system.forces, self.system.group.state
+        with np.errstate(all="ignore"):  # sweeps that ran away overflow: not finite, hence not solved
+            if self.dense is None:
+                forces = on_active_set(problem, states, forces)
+            else:
+                unknown, spread = free_forces(problem, states)
+                x = forces[unknown]
+                matrix, free = self.dense[unknown] @ spread, problem.free[unknown]
+                for _ in range(2 if len(unknown) else 0):  # the second takes out the rounding of the first
+                    x = x - np.linalg.lstsq(matrix, matrix @ x + free, rcond=1e-12)[0]
+                forces = in_cones(problem, np.asarray(spread @ x))
+            return problem.unknowns(*np.split(forces, [len(problem.friction)])), None
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,59 +124,52 @@ class BlockGaussSeidel:
         problem to start from, or None.
         """
         check_guess(guess)
-        if has_cones(problem):
-            from lcpflex.solvers.contact.cones.gauss_seidel import sweep_to_solution
-
-            return sweep_to_solution(problem, guess, self.tolerance, self.sweep_limit)  # type: ignore[arg-type]
         if isinstance(problem, Lcp):
             if reason := self.refuses(problem):
                 raise ModelError(reason)
             if problem.balanced()[1] is not None:
                 return problem.solve_by(self, guess)
-            contacts = ContactProblem(problem.M, problem.q, np.zeros(problem.size))
-            return self._iterate(_Iteration(contacts, guess, problem))
-        if not isinstance(problem, ContactProblem):
+            smooth = ContactProblem(problem.M, problem.q, np.zeros(problem.size))
+            start = start_of(smooth, guess, problem.residual)
+            return guarded(SWEPT, problem, self.tolerance, lambda: self._swept(smooth, start, problem))
+        if not isinstance(problem, ContactProblem) and not has_cones(problem):
             return posed(problem).solve_by(self, guess)
-        keys, units = problem.unknown_keys, problem.unknown_units
-        guess = aligned(guess, keys)
-        if guess is not None and guess.z.shape == units.d.shape:
-            guess = replace(guess, z=units.inward(guess.z))
-        found = self._iterate(_Iteration(problem.balanced(), guess, None))
-        return replace(restored(problem, found, units, self.tolerance), keys=keys)
+        contacts: Any = problem
+        found = guarded(SWEPT, contacts, self.tolerance, lambda: self._in_units(contacts, guess))
+        return replace(found, keys=contacts.unknown_keys)
 
-    def _iterate(self, run: _Iteration) -> Solution:
-        """Compiled where the whole problem is known as an LCP of moderate size, else look by look."""
-        if run.lcp is None:
-            return guarded(SWEPT, run.problem, self.tolerance, lambda: by_looks(run, self.tolerance, self.sweep_limit))
-        lcp = run.lcp
-        return guarded(SWEPT, lcp, self.tolerance, lambda: self._compiled(run, lcp))
+    def _in_units(self, problem: Any, guess: Solution | None) -> Solution:
+        """Sweeps on contacts in the plane or in space, each measured by its own diagonal."""
+        if not has_cones(problem) and problem.delassus is not None:
+            _ = problem.coupling  # by which it is judged, as it is and in units: made once
+        units = problem.unknown_units
+        start = units.inward(start_of(problem, guess, problem.residual))
+        return self._swept(problem.balanced(), start, problem, units.outward)
 
-    def _compiled(self, run: _Iteration, lcp: Lcp) -> Solution:
-        problem, n = run.problem, lcp.size
-        z, (table, basis) = np.empty(n), lemke_workspace(n)
-        basis, ear = listening(basis, n)
-        free, friction = problem._data[1:3]
-        work, start = np.empty(n), (run.forces.copy(), run.states.copy())
+    def _swept(
+        self, contacts: Any, start: FloatArray, judged: Any, outward: Callable[[FloatArray], FloatArray] = np.asarray
+    ) -> Solution:
+        """Sweeps and looks from the point ``start`` on; outward: a point of the contacts as one of the problem judged.
 
-        def swept(most: int) -> tuple[int, int, int]:
-            run.forces[:], run.states[:] = start
-            return block_gauss_seidel(
-                run.dense, free, friction, run.tangent_of, *lcp._data, run.forces, run.states,
-                z, work, table, basis, self.tolerance, most,
-            )  # fmt: skip
-
-        (code, sweeps, finished), cut = grown(
-            swept, self.sweep_limit, n, lambda found: found[0] == ITERATION_LIMIT, ear
-        )
-        status, active = Status.TIME_LIMIT if cut else Status(code), None
-        route = SWEPT + FINISHED * finished
-        if status is Status.SOLVED:
-            active = basis[:n].copy()
-        else:
-            with np.errstate(all="ignore"):  # sweeps that ran away overflow: not finite, hence not solved
-                corrected = run.corrected()
-            if lcp.residual(corrected) < lcp.residual(z):
-                z, route = corrected, SWEPT + FINISHED
+        In the plane looks are finished on the active set, where that tells more than sweeps to come.
+        """
+        lcp = judged if isinstance(judged, Lcp) else None
+        storage = storage_of(contacts) if lcp is None else lcp._data[0]
+        system = ContactSystem(contacts, storage)
+        system.take(forces_at(contacts, start))
+        dense = storage if isinstance(storage, np.ndarray) else None
+        finish: Finish | None = None if has_cones(contacts) else _Corrected(system, dense)
+        if dense is not None and finish is not None:
+            finish = ByPivots(contacts, lcp)
+        residual = contacts.residual if lcp is None else lcp.residual
+        found = by_looks(system, residual, self.tolerance, self.sweep_limit, finish=finish)
+        if isinstance(finish, ByPivots) and found.residual > self.tolerance:
+            corrected, _ = _Corrected(system, dense)(found.z, None)
+            if residual(corrected) < found.residual:
+                found.z, found.active = corrected, None
+        system.release()
+        solved = found.residual <= self.tolerance
         return accept(
-            lcp, z, tolerance=self.tolerance, status=status, iterations=sweeps, route=route, active=active
+            judged, outward(found.z), tolerance=self.tolerance, status=found.status, iterations=found.sweeps,
+            route=SWEPT + FINISHED * (solved and found.finished), active=found.active if solved else None,
         )  # fmt: skip

@@ -8,6 +8,7 @@ finds active sets that the others do not. The best point of all is kept and judg
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 
@@ -15,26 +16,24 @@ from lcpflex.basics import libs
 from lcpflex.errors import LcpflexError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.clock import out_of_time
-from lcpflex.solvers.contact.active_set import REGULAR, TINY, on_active_set, own_blocks, states_of
-from lcpflex.solvers.contact.coupling import tangents
+from lcpflex.solvers.contact.active_set import REGULAR, TINY, on_active_set, states_of
+from lcpflex.solvers.contact.looks import SWEPT, Pace, by_looks
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.contact.proximal import Proximal
-from lcpflex.solvers.contact.settling import point_of_forces, settle
-from lcpflex.solvers.contact.sweeps import sweep_factor, take_basis
+from lcpflex.solvers.contact.starts import forces_at, start_of
+from lcpflex.solvers.contact.system import ContactSystem
 from lcpflex.solvers.guard import ENDED, FAILED, words_of
 from lcpflex.solvers.problem import Solution, Status, accept
 
-__all__ = ["FACTORS", "Search"]
+__all__ = ["Search"]
 
-FACTORS = 600  # sparse factors that one problem may take, unless the user says otherwise
-SWEPT, FINISHED, CONVEX, NEWTON = "block Gauss-Seidel", "finished on its active set", "convex start", "proximal Newton"
+FINISHED, CONVEX, NEWTON = "finished on its active set", "convex start", "proximal Newton"
 STEPS = {"swept": SWEPT, "swept_on": SWEPT, "finished": FINISHED, "relaxed": CONVEX, "newton": NEWTON}
-BETWEEN, LOOK = 20, 16  # sweeps between two runs of Newton's method, and at a time
+BETWEEN = (20, Pace(2, 16))  # sweeps between two runs of Newton's method
 # Sweeps at most; and so many of them that leave more of the residual than that fraction are the last.
-FEW, MORE, MANY = (200, 24, 0.4), (500, 128, 0.8), (2000, 128, 0.8)
+FEW, MORE, MANY = (200, Pace(2, 16, 24, 0.4)), (500, Pace(2, 16, 128, 0.8)), (2000, Pace(2, 16, 128, 0.8))
 ROUNDS = ((0.1, 150), (0.01, 60), (1e-3, 150), (0.1, 240))  # eps to begin with, and factors, of each run
 CONVEX_FACTORS = 25  # what the relaxation counts for
-FAR = 1e3  # residual of a guess from which to start would only be to carry its rounding along
 SYMMETRY = 1e-10  # relative to the largest entry
 
 
@@ -52,10 +51,9 @@ class Search:
         n, m = len(problem.friction), len(problem.free)
         self.forces, self.states = np.zeros(m), np.zeros(n, dtype=np.int64)
         self.best, self.least = np.zeros(m), np.inf
-        if guess is not None and guess.z.shape == (problem.size,):
-            z = np.maximum(guess.z, 0.0)
-            if problem.residuals(z)[0] <= FAR:
-                self.forces = np.concatenate(problem.forces(z)) / problem.unknown_units.load / problem.row_units
+        if guess is not None:
+            start = problem.unknown_units.inward(start_of(problem, guess, problem.residual))
+            self.forces = forces_at(problem.balanced(), start)
 
     @property
     def done(self) -> bool:
@@ -104,15 +102,18 @@ class Search:
             active=self._basis(),
         )
 
+    @cached_property
+    def system(self) -> ContactSystem:
+        """The contacts by their blocks, or where nearly all of them touch one body, through the factor."""
+        return ContactSystem(self.problem.balanced(), self.problem.coupling)
+
     def _basis(self) -> IntArray | None:
         """Which unknowns the states leave free to be positive, where the best point solves the problem."""
-        c = self.problem.coupling
-        if not self.done or c is None:
+        if not self.done:
             return None
-        z, basis = np.empty(self.problem.size), np.empty(self.problem.size, dtype=np.int64)
-        point_of_forces(c.first, c.other, c.block, c.free, c.friction, c.tangent_of, self.best, z)
-        take_basis(self.states, c.tangent_of, len(c.free), z, basis)
-        return basis
+        self.system.take(self.best)
+        self.system.group.state[:] = self.states
+        return self.system.point()[1]
 
     def swept(self) -> str:
         """A few sweeps, as long as they pay."""
@@ -155,7 +156,7 @@ class Search:
         forces = relaxed_forces(self.problem.balanced())
         if forces is not None:
             self.forces = forces
-            self._sweep(BETWEEN)
+            self._sweep(*BETWEEN)
         return CONVEX
 
     def newton(self) -> str:
@@ -170,7 +171,7 @@ class Search:
             if self.done or self.finished():
                 break
             self.forces = self.best.copy()
-            self._sweep(BETWEEN)
+            self._sweep(*BETWEEN)
         return NEWTON
 
     def _states(self) -> IntArray:
@@ -188,14 +189,8 @@ class Search:
 
     def _unknowns(self, forces: FloatArray) -> FloatArray:
         """z of the problem for forces in units of the contacts."""
-        problem, c = self.problem, self.problem.coupling
-        if c is not None:
-            z = np.empty(problem.size)
-            point_of_forces(c.first, c.other, c.block, c.free, c.friction, c.tangent_of, forces, z)
-            z = problem.unknown_units.outward(z)
-        else:
-            own = forces * problem.row_units * problem.unknown_units.load
-            z = problem.unknowns(*np.split(own, [len(problem.friction)]))
+        alike = self.problem.balanced()
+        z = self.problem.unknown_units.outward(alike.unknowns(*np.split(forces, [len(alike.friction)])))
         return z if np.isfinite(z).all() else np.zeros(len(z))  # beyond what floats hold in the units of the user
 
     def _keep(self, forces: FloatArray) -> float:
@@ -205,34 +200,11 @@ class Search:
             self.best, self.least = forces.copy(), residual
         return residual
 
-    def _sweep(self, sweeps: int, patience: int = 2**40, crawling: float = 1.0) -> None:
+    def _sweep(self, sweeps: int, pace: Pace) -> None:
         """Sweep from ``forces`` on, and keep the best point."""
-        c = self.problem.coupling
-        if c is None:
-            self._sweep_bodies(sweeps)
-            return
-        rows = (c.first, c.other, c.block, c.own, c.free, c.friction, c.tangent_of)
-        z, best = np.empty(self.problem.size), np.empty(len(c.free))
-        made, least = settle(*rows, self.forces, self.states, z, best, self.tolerance, sweeps, patience, crawling)
-        self.sweeps += made
-        if least < self.least:
-            self.best, self.least = best, least
-            if not made:  # no sweep has told the states of the forces that it began from
-                self.states = self._states()
-
-    def _sweep_bodies(self, sweeps: int) -> None:
-        """The same through the factor, where nearly all contacts touch one body."""
-        alike = self.problem.balanced()
-        J = libs.sparse.csr_array(alike._data[3])
-        tangent_of = tangents(alike.friction)
-        rows = (J.indptr.astype(np.int64), J.indices.astype(np.int64), J.data, own_blocks(J, tangent_of))
-        u, made = np.asarray(J.T @ self.forces), 0
-        self._keep(self.forces)
-        while made < sweeps and not self.done and not out_of_time():
-            _, free, friction, _ = alike._data
-            count, change = sweep_factor(*rows, free, friction, tangent_of, u, self.forces, self.states, LOOK, 0.0)
-            made += count
-            self.sweeps += count
-            if not change < np.inf:
-                break
-            self._keep(self.forces)
+        self.system.take(self.forces)
+        found = by_looks(self.system, self.problem.balanced().residual, self.tolerance, sweeps, pace)
+        self.sweeps += found.sweeps
+        self.forces = self.system.forces
+        if found.residual < self.least:
+            self.best, self.least, self.states = found.forces, found.residual, found.states

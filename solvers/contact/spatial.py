@@ -146,9 +146,11 @@ class SpatialContactProblem:
     @property
     def unknown_units(self) -> Units:
         """The units of the forces, three for each contact; the load is that of the free velocities in them."""
-        d = np.repeat(self.units, 3)
-        with np.errstate(all="ignore"):
-            return Units.of(d, self.free * d)
+        if "unknown units" not in self._kept:
+            d = np.repeat(self.units, 3)
+            with np.errstate(all="ignore"):
+                self._kept["unknown units"] = Units.of(d, self.free * d)
+        return self._kept["unknown units"]  # type: ignore[no-any-return]
 
     def balanced(self) -> SpatialContactProblem:
         """The same contacts, each measured by its own diagonal: what comes out does not depend on units.

@@ -9,10 +9,10 @@ import numpy as np
 from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray, IntArray, interpreted, kernel
 from lcpflex.solvers.clock import out_of_time
+from lcpflex.solvers.contact.algebra import Vector, add_block
 from lcpflex.solvers.contact.cones import newton as method
 from lcpflex.solvers.contact.cones.alart_curnier import lengths, mixed_rows
 from lcpflex.solvers.contact.cones.newton import ConeWork, misses
-from lcpflex.solvers.contact.cones.sweeps import velocity_by_blocks
 
 __all__ = ["ConeBlocks", "newton_on_blocks", "proximal_on_blocks"]
 
@@ -121,10 +121,12 @@ def fill_velocity(
     """Out: u = W r + q + alpha (r - centre) (3 n,)."""
     for k in range(len(first) - 1):
         i = 3 * k
-        u_n, u_1, u_2 = velocity_by_blocks(first, other, block, free, forces, k)
-        u[i] = u_n + alpha * (forces[i] - centre[i])
-        u[i + 1] = u_1 + alpha * (forces[i + 1] - centre[i + 1])
-        u[i + 2] = u_2 + alpha * (forces[i + 2] - centre[i + 2])
+        v: Vector = (free[i], free[i + 1], free[i + 2])
+        for e in range(first[k], first[k + 1]):
+            j = 3 * other[e]
+            v = add_block(block, e, (forces[j], forces[j + 1], forces[j + 2]), v)
+        for a in range(3):
+            u[i + a] = v[a] + alpha * (forces[i + a] - centre[i + a])
 
 
 @kernel

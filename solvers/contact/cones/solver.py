@@ -12,9 +12,11 @@ from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess
 from lcpflex.solvers.clock import grown, out_of_time
-from lcpflex.solvers.contact.cones.runs import COMPILED, ConeRun, own_units, start_of
+from lcpflex.solvers.contact.cones.runs import ConeRun
 from lcpflex.solvers.contact.looks import SWEPT
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
+from lcpflex.solvers.contact.starts import own_units, start_of
+from lcpflex.solvers.contact.system import MOST_DENSE
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Solution, Status, accept
@@ -76,7 +78,8 @@ class AlartCurnier:
         check_guess(guess)
         if reason := self.refuses(problem):
             raise ModelError(reason)
-        alike, start = problem.balanced(), start_of(problem, guess)
+        alike = problem.balanced()
+        start = problem.unknown_units.inward(start_of(problem, guess, problem.residual))
         found = guarded(NEWTON, alike, self.tolerance, lambda: self._solved(alike, start))
         return own_units(problem, found, self.tolerance)
 
@@ -86,7 +89,7 @@ class AlartCurnier:
             one.go()
             return one
 
-        if len(problem.friction) <= COMPILED:  # kernels cannot look at a clock
+        if len(problem.friction) <= MOST_DENSE[3]:  # kernels cannot look at a clock
             cost = int(problem.size**1.5)  # a step is that of a dense factor
             one, cut = grown(attempt, self.step_limit, cost, lambda one: one.residual > self.tolerance)
         else:
@@ -121,7 +124,7 @@ class _Attempt:
             self._sweep(sweeps)
             if self._done():
                 return
-            forces = self.run.forces.copy()
+            forces = self.run.system.forces
             self.steps += self.run.newton(forces, min(steps, self.limit - self.steps))
             self._look(forces, f"{SWEPT}, {NEWTON}")
         if not self._done():
@@ -133,9 +136,9 @@ class _Attempt:
         return self.residual <= self.tolerance or self.limited or out_of_time()
 
     def _sweep(self, sweeps: int) -> None:
-        made, _ = self.run.sweep(sweeps, CLOSE * self.tolerance)
+        made, _ = self.run.system.sweep(sweeps, CLOSE * self.tolerance)
         self.sweeps += made
-        self._look(self.run.forces, SWEPT)
+        self._look(self.run.system.forces, SWEPT)
 
     def _look(self, forces: FloatArray, route: str) -> None:
         """Keep the forces if they are better than all before; the route is told as far as it went."""

@@ -8,17 +8,16 @@ from lcpflex.solvers.contact.cones.alart_curnier import contact_miss, mixed_rows
 from lcpflex.solvers.contact.cones.blocks import ConeBlocks, newton_on_blocks, proximal_on_blocks
 from lcpflex.solvers.contact.cones.linear import solve_general
 from lcpflex.solvers.contact.cones.newton import cone_work, newton, proximal
-from lcpflex.solvers.contact.cones.sweeps import sweep_cone_blocks, sweep_cone_factor, sweep_cones
+from lcpflex.solvers.contact.spatial import SpatialContactProblem
+from lcpflex.solvers.contact.system import ContactSystem
 from tests.cones import heap, tower
 
 
-def swept(problem, sweeps):
-    """Forces and slip after so many sweeps from zero on the dense operator."""
-    n = len(problem.friction)
-    forces, slip = np.zeros(3 * n), np.zeros(n)
-    W, free, friction, _ = problem._data
-    sweep_cones(W, free, friction, n, forces, slip, np.zeros(9), sweeps, 0.0)
-    return forces, slip
+def swept(problem, storage, sweeps, target=0.0):
+    """The contacts after so many sweeps from no forces; how many there were, and the last change."""
+    system = ContactSystem(problem, storage)
+    system.take(np.zeros(problem.size))
+    return system, *system.sweep(sweeps, target)
 
 
 @pytest.mark.parametrize("n", [1, 2, 7, 40])
@@ -58,47 +57,46 @@ def test_the_jacobian_is_that_of_the_function():
 
 
 def test_sweeps_are_the_same_on_matrix_blocks_and_factor():
-    problem = tower(3, tilt=0.4, spin=0.3)
-    n = len(problem.friction)
-    forces, slip = swept(problem, 20)
-    blocks = ConeBlocks(problem.delassus)
-    by_blocks, other = np.zeros(3 * n), np.zeros(n)
-    rows = (blocks.first, blocks.other, blocks.block, blocks.own)
-    made, change = sweep_cone_blocks(*rows, *problem._data[1:3], by_blocks, other, 20, 0.0)
-    assert made == 20
-    assert change > 0.0
-    np.testing.assert_allclose(by_blocks, forces, atol=1e-12)
-    np.testing.assert_allclose(other, slip, atol=1e-9)
+    problem = tower(3, tilt=0.4, spin=0.3).balanced()
     values, vectors = np.linalg.eigh(problem.delassus)
     J = scipy.sparse.csr_array(vectors * np.sqrt(np.maximum(values, 0.0)))
-    x, by_factor = np.zeros(J.shape[1]), np.zeros(3 * n)
-    sweep_cone_factor(
-        J.indptr.astype(np.int64), J.indices.astype(np.int64), J.data, blocks.own,
-        *problem._data[1:3], x, by_factor, np.zeros(n), 20, 0.0,
-    )  # fmt: skip
-    np.testing.assert_allclose(by_factor, forces, atol=1e-10)
-    np.testing.assert_allclose(x, J.T @ by_factor, atol=1e-12)
+    by_factor = SpatialContactProblem(None, problem.free, problem.friction, factor=J)
+    first, _, _ = swept(problem, problem.dense(), 20)
+    for one, storage, off in ((problem, ConeBlocks(problem.delassus), 1e-12), (by_factor, None, 1e-10)):
+        system, made, change = swept(one, storage, 20)
+        assert made == 20
+        assert change > 0.0
+        np.testing.assert_allclose(system.forces, first.forces, atol=off)
+        np.testing.assert_allclose(system.group.slip, first.group.slip, atol=1e-9)
+    np.testing.assert_allclose(system.op.x, J.T @ system.forces, atol=1e-12)
 
 
 def test_sweeps_end_at_the_change_asked_for():
-    problem = heap(6, 6)
-    n = len(problem.friction)
-    forces = np.zeros(3 * n)
-    made, change = sweep_cones(*problem._data[:3], n, forces, np.zeros(n), np.zeros(9), 5000, 1e-13)
+    problem = heap(6, 6).balanced()
+    system, made, change = swept(problem, problem.dense(), 5000, 1e-13)
     assert made < 5000
     assert change <= 1e-13
-    assert problem.residual(forces) <= 1e-12
+    assert problem.residual(system.forces) <= 1e-12
 
 
 def test_unsymmetric_blocks_are_swept_to_their_own_solution():
     problem = heap(8, 8, seed=1)
     W = problem.delassus * (1.0 + 0.01 * np.random.default_rng(7).normal(size=problem.delassus.shape))
     other = type(problem)(W, problem.free, problem.friction)
-    n = len(problem.friction)
-    forces = np.zeros(3 * n)
-    sweep_cones(*other._data[:3], n, forces, np.zeros(n), np.zeros(9), 3000, 1e-14)
-    assert other.residual(forces) <= 1e-12
-    assert problem.residual(forces) > 1e-6
+    for storage in (other.dense(), ConeBlocks(other.delassus)):
+        system, _, _ = swept(other, storage, 3000, 1e-14)
+        assert other.residual(system.forces) <= 1e-12
+        assert problem.residual(system.forces) > 1e-6
+
+
+def test_slips_of_known_forces_are_taken():
+    """|u_T| / |r_T| of the contacts that rub, as the sweeps that led there know them."""
+    problem = tower(2, tilt=0.4).balanced()
+    first, _, _ = swept(problem, problem.dense(), 3000, 1e-15)
+    system = ContactSystem(problem, problem.dense())
+    system.take(first.forces)
+    assert system.group.slip.any()
+    np.testing.assert_allclose(system.group.slip, first.group.slip, atol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -110,7 +108,7 @@ def test_newton_and_proximal_points_dense_and_by_blocks(make):
     problem = make()
     alike, n = problem.balanced(), len(problem.friction)
     W, free, friction, _ = alike._data
-    start, _ = swept(alike, 10)
+    start = swept(alike, alike.dense(), 10)[0].forces
     found = []
     for operator, steps, points in ((W, newton, proximal), (ConeBlocks(W), newton_on_blocks, proximal_on_blocks)):
         work, forces = cone_work(n), start.copy()

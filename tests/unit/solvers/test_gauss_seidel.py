@@ -9,15 +9,10 @@ import scipy.sparse
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import BlockGaussSeidel, ContactProblem, GaussSeidel, Lcp, Lemke, Status
-from lcpflex.solvers.contact.sweeps import (
-    BACK,
-    FORTH,
-    OPEN,
-    STICKING,
-    solve_contact,
-    sweep_delassus,
-    sweep_factor,
-)
+from lcpflex.solvers.contact import system as system_of_contacts
+from lcpflex.solvers.contact.laws.interval import solve_contact
+from lcpflex.solvers.contact.laws.states import BACK, FORTH, OPEN, STICKING
+from lcpflex.solvers.contact.system import ContactSystem, sweep_and_renew
 from lcpflex.solvers.lcp.gauss_seidel import _sweep as sweep_rows
 
 
@@ -235,7 +230,7 @@ class TestOneContact:
 
 class TestSweeps:
     @pytest.mark.parametrize("smooth", [False, True], ids=["rough", "every third smooth"])
-    def test_the_factor_does_what_the_matrix_does(self, smooth):
+    def test_factor_and_blocks_do_what_the_matrix_does(self, smooth):
         rng = np.random.default_rng(7)
         n = 6
         friction = np.where(np.arange(n) % 3 == 2, 0.0, 0.5) if smooth else np.full(n, 0.5)
@@ -243,34 +238,79 @@ class TestSweeps:
         J = np.where(rng.random((m, 14)) < 0.5, rng.standard_normal((m, 14)), 0.0)
         J[np.arange(m), np.arange(m)] += 1.0
         free = rng.standard_normal(m) - 0.5
-        G = J @ J.T
-        tangent_of = np.full(n, -1, dtype=np.int64)
-        tangent_of[friction > 0] = np.arange(n, m)
-        compressed = scipy.sparse.csr_array(J)
-        rows = compressed.indptr.astype(np.int64), compressed.indices.astype(np.int64), compressed.data
-        normals, tangents = J[:n], np.where(tangent_of[:, None] < 0, 0.0, J[tangent_of])
-        block = np.column_stack([(normals**2).sum(1), (normals * tangents).sum(1), (tangents**2).sum(1)])
+        problem = ContactProblem(J @ J.T, free, friction, factor=scipy.sparse.csr_array(J)).balanced()
         for sweeps in (1, 3, 10):
-            forces, states = np.zeros((2, m)), np.zeros((2, n), dtype=np.int64)
-            u = np.zeros(14)
-            common = free, friction, tangent_of
-            dense = sweep_delassus(G, *common, forces[0], states[0], sweeps, 0.0)
-            sparse = sweep_factor(*rows, block, *common, u, forces[1], states[1], sweeps, 0.0)
-            assert dense[0] == sparse[0] == sweeps
-            assert sparse[1] == pytest.approx(dense[1], rel=1e-8, abs=1e-13)
-            assert forces[1] == pytest.approx(forces[0], abs=1e-12)
-            assert states[1].tolist() == states[0].tolist()
-            assert u == pytest.approx(J.T @ forces[1], abs=1e-12)  # kept up to date
-            assert forces[0].any()
+            systems = [ContactSystem(problem, storage) for storage in (problem.dense(), problem.coupling, None)]
+            told = [system.sweep(sweeps, 0.0) for system in systems if not system.take(np.zeros(m))]
+            for system, (made, change) in zip(systems, told, strict=True):
+                assert made == sweeps
+                assert change == pytest.approx(told[0][1], rel=1e-8, abs=1e-13)
+                assert system.forces == pytest.approx(systems[0].forces, abs=1e-12)
+                assert system.group.state.tolist() == systems[0].group.state.tolist()
+            assert systems[0].forces.any()
+            dense, _, factor = systems
+            assert dense.op.y == pytest.approx(problem.velocity(dense.forces), abs=1e-12)  # kept up to date
+            assert factor.op.x == pytest.approx(problem.factor.T @ factor.forces, abs=1e-12)
+
+    @pytest.mark.parametrize("smooth", [False, True], ids=["rough", "every third smooth"])
+    def test_unsymmetric_matrices(self, smooth):
+        """By columns, which are not the rows then: velocities are those of the problem, in all storages."""
+        rng, n = np.random.default_rng(8), 6
+        friction = np.where(np.arange(n) % 3 == 2, 0.0, 0.5) if smooth else np.full(n, 0.5)
+        m = n + np.count_nonzero(friction)
+        problem = ContactProblem(
+            np.eye(m) + 0.1 * rng.standard_normal((m, m)), rng.standard_normal(m) - 0.5, friction
+        ).balanced()
+        for storage in (problem.dense(), problem.coupling):
+            system = ContactSystem(problem, storage)
+            system.take(np.zeros(m))
+            assert system.sweep(200, 1e-15)[0] < 200
+            assert system.forces.any()
+            z, active = system.point()
+            assert problem.residual(z) <= 1e-13
+            assert np.array_equal(z > 1e-13, active == 1)
+
+    def test_long_sweeps_are_made_in_pieces(self, monkeypatch):
+        """Between which Python hears Ctrl-C: to rounding the same, and no sweep more."""
+        problem = row_of_blocks(40)[0].balanced()
+        found, calls = [], []
+
+        def counted(*arguments):
+            calls.append(1)
+            return sweep_and_renew(*arguments)
+
+        monkeypatch.setattr(system_of_contacts, "sweep_and_renew", counted)
+        for at_once in (10**6, 400):
+            monkeypatch.setattr(system_of_contacts, "AT_ONCE", at_once)
+            system = ContactSystem(problem, None)
+            system.take(np.zeros(80))
+            assert system.sweep(35, 0.0)[0] == 35
+            found.append(system.forces)
+        assert len(calls) == 1 + 4
+        assert found[1] == pytest.approx(found[0], abs=1e-13)
+
+    def test_small_problems_that_follow_share_their_memory_and_nothing_else(self):
+        """Also with other contacts without friction, and unsymmetric: what is found is what it is without memory."""
+        rng = np.random.default_rng(9)
+        for step in range(12):
+            friction = np.where(np.arange(4) == step % 4, 0.0, 0.5)
+            matrix = np.eye(7) + 0.1 * rng.standard_normal((7, 7))
+            problem = ContactProblem(matrix, rng.standard_normal(7) - 0.5, friction)
+            found = BlockGaussSeidel().solve(problem)
+            system_of_contacts._kept.systems.clear()
+            again = BlockGaussSeidel().solve(problem)
+            assert found.solved
+            assert found.z.tobytes() == again.z.tobytes()
+            assert found.active.tolist() == again.active.tolist()
 
     def test_uncoupled_contacts_take_one_sweep(self):
         free = np.array([-1.0, -1.0, 2.0, 0.2, 3.0, 0.0])
-        forces, states = np.zeros(6), np.zeros(3, dtype=np.int64)
-        made, change = sweep_delassus(np.eye(6), free, np.full(3, 0.5), np.arange(3, 6), forces, states, 1, 0.0)
-        assert (made, change) == (1, 1.0)
-        assert forces.tolist() == [1.0, 1.0, 0.0, -0.2, -0.5, 0.0]
-        assert states.tolist() == [STICKING, FORTH, OPEN]
-        assert sweep_delassus(np.eye(6), free, np.full(3, 0.5), np.arange(3, 6), forces, states, 9, 0.0) == (1, 0.0)
+        system = ContactSystem(ContactProblem(np.eye(6), free, np.full(3, 0.5)), np.eye(6))
+        system.take(np.zeros(6))
+        assert system.sweep(1, 0.0) == (1, 1.0)
+        assert system.forces.tolist() == [1.0, 1.0, 0.0, -0.2, -0.5, 0.0]
+        assert system.group.state.tolist() == [STICKING, FORTH, OPEN]
+        assert system.sweep(9, 0.0) == (1, 0.0)
 
 
 class TestContacts:

@@ -12,9 +12,9 @@ import scipy.sparse.linalg
 from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.solvers import Auto, ContactProblem, Lemke, Status, load_siconos_contacts
-from lcpflex.solvers.auto import SMALL
+from lcpflex.solvers.auto import FACTORS, SMALL
 from lcpflex.solvers.contact.cone import relaxed_forces
-from lcpflex.solvers.contact.many import FACTORS, Search
+from lcpflex.solvers.contact.many import Search
 from lcpflex.solvers.contact.proximal import Proximal
 from tests.piles import SPEED, columns, heap, moving, shuffled
 

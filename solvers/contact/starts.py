@@ -1,0 +1,40 @@
+"""From which forces a solver of contacts begins, in the plane and in space, and how it says what it found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.contact.problem import aligned
+from lcpflex.solvers.problem import Solution, restored
+from lcpflex.solvers.refusals import has_cones
+
+__all__ = ["forces_at", "own_units", "start_of"]
+
+FAR = 1e3  # residual of a guess from which to start would only be to carry its rounding along
+
+
+def start_of(problem: Any, guess: Solution | None, residual: Callable[[FloatArray], float]) -> FloatArray:
+    """The point z to begin from: that of the guess, matched by contact, unless it is far from a solution; or zero.
+
+    problem: contacts in the plane or in space; residual: of a point z.
+    """
+    start = aligned(guess, problem.unknown_keys)
+    if start is None or start.z.shape != (problem.size,) or not np.isfinite(start.z).all():
+        return np.zeros(problem.size)
+    z = start.z if has_cones(problem) else np.maximum(start.z, 0.0)
+    return z if residual(z) <= FAR else np.zeros(problem.size)
+
+
+def forces_at(problem: Any, z: FloatArray) -> FloatArray:
+    """(m,) forces of a point z, in the order of the rows of the problem."""
+    return z if has_cones(problem) else np.concatenate(problem.forces(z))
+
+
+def own_units(problem: Any, found: Solution, tolerance: float) -> Solution:
+    """The solution of ``problem.balanced()`` as one of the problem."""
+    return replace(restored(problem, found, problem.unknown_units, tolerance), keys=problem.unknown_keys)
