@@ -1,6 +1,7 @@
 """Makes a run of one scene for each line of input, and prints the seconds of processor time that a step has taken.
 
-Or, of two graphs, the seconds that one corner takes of the time for their distance.
+Or, of two graphs, the seconds that one corner takes of the time for their distance; or those of a solve by sweeps over
+contacts in the plane or in space.
 """
 
 from __future__ import annotations
@@ -10,9 +11,11 @@ import time
 from collections.abc import Callable
 
 import numpy as np
+import scipy.sparse
 
 import lcpflex as lf
 from lcpflex import gallery
+from lcpflex.solvers import BlockGaussSeidel, ContactProblem, SpatialContactProblem
 from lcpflex.studies import graph_distance
 
 SCENES: dict[str, tuple[Callable[[], lf.Scene], float, object]] = {
@@ -37,7 +40,27 @@ def distance(frequency: float) -> None:
         print((time.process_time() - began) / CORNERS, flush=True)
 
 
+def contacts(kind: str, count: str, storage: str) -> None:
+    """Answer with the seconds of a solve of so many contacts, of bodies that each touch some others."""
+    random, n, rows = np.random.default_rng(1), int(count), 2 if kind == "plane" else 3
+    factor = scipy.sparse.random_array((rows * n, 3 * n), density=min(1.0, 12.0 / n), rng=random, format="csr")
+    factor = scipy.sparse.csr_array(scipy.sparse.hstack([scipy.sparse.eye_array(rows * n), factor]))
+    matrix = None if storage == "factor" else factor @ factor.T
+    matrix = matrix.toarray() if storage == "dense" else matrix
+    free, friction = random.standard_normal(rows * n), np.full(n, 0.4)
+    make = ContactProblem if rows == 2 else SpatialContactProblem
+    repeats = 1 + 2000 // n
+    for _ in sys.stdin:
+        began = time.process_time()
+        for _ in range(repeats):
+            BlockGaussSeidel().solve(make(matrix, free, friction, factor=factor if matrix is None else None))
+        print((time.process_time() - began) / repeats, flush=True)
+
+
 def main() -> None:
+    if sys.argv[1].count(" ") == 2:
+        contacts(*sys.argv[1].split())
+        return
     if sys.argv[1] in GRAPHS:
         distance(GRAPHS[sys.argv[1]])
         return
