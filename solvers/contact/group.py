@@ -21,7 +21,7 @@ class Group:
     n: int
     law: IntArray = array("units")  # numbers of lcpflex.solvers.contact.laws
     mu: FloatArray = array("units")  # coefficient of friction [-]
-    floor: FloatArray = array("units")  # what the normal force is at least, see laws.half_line
+    floor: FloatArray = array("units")  # a force that the law knows: what p_N is at least, see laws.half_line
     own: FloatArray = array("units", "block")  # W_kk by rows
     unit: FloatArray = array("units")  # d: p / d and d v of all units are alike; 1 where they are scaled already
     free: FloatArray = array("units", "rows")

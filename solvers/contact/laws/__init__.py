@@ -10,33 +10,29 @@ A law is a module with six functions, in which v and p are the velocity and the 
     miss(group, k, p, v)          what is left of the law, in the unit of the contact; inf for what is not finite
     soft(eps)                     the eps that the law can bear
 
-To add one, write such a file and name it in LAWS: sweeps, Newton's method and the certificate take it from there.
+To add one, write such a file and name it in NAMES: sweeps, Newton's method and the certificate take it from there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 from types import ModuleType
 from typing import Any
 
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.solvers.contact.algebra import Vector
 from lcpflex.solvers.contact.group import Group
-from lcpflex.solvers.contact.laws import (
-    bilateral,
-    coulomb,
-    disc,  # noqa: F401  Coulomb's law in space
-    half_line,
-    interval,  # noqa: F401  and in the plane
-)
+from lcpflex.solvers.contact.laws import disc, interval  # noqa: F401  Coulomb's law in space and in the plane
 
 __all__ = ["BILATERAL", "COULOMB", "HALF_LINE", "answer", "derivative", "miss", "number_of", "room", "soft", "solve"]
 
-LAWS: tuple[ModuleType, ...] = (
-    coulomb,
-    half_line,
-    bilateral,
+NAMES = (
+    "coulomb",
+    "half_line",
+    "bilateral",
 )
+LAWS: tuple[ModuleType, ...] = tuple(import_module(f"{__name__}.{name}") for name in NAMES)
 
 
 def number_of(law: ModuleType) -> int:
@@ -44,7 +40,7 @@ def number_of(law: ModuleType) -> int:
     return LAWS.index(law)
 
 
-COULOMB, HALF_LINE, BILATERAL = map(number_of, (coulomb, half_line, bilateral))
+COULOMB, HALF_LINE, BILATERAL = map(NAMES.index, ("coulomb", "half_line", "bilateral"))
 
 
 def _switch(name: str, given: str, chosen: str = "group.law[k]") -> Any:
