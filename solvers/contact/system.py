@@ -277,7 +277,7 @@ def _operator(problem: Any, group: Group, row: IntArray, storage: Storage, dense
     if dense is None:
         shared = group.n > FEW and np.array_equal(storage, storage.T)
         columns = storage if shared else np.array(storage.T, order="C")
-        dense = allocate(Dense, {"matrix": len(storage)}, columns=columns, row=row)
+        dense = allocate(Dense, {"matrix": len(storage), "unknowns": 0}, columns=columns, row=row)
         dense.m = len(storage)
     else:
         dense.columns[:] = storage.T
