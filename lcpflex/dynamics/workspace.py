@@ -150,7 +150,11 @@ def workspace(
     most = 0 if before is None else max(before.largest, capacity // 2)  # room is twice what is needed
     large = before is not None and most > before.dense_limit
     sizes["white"] = sizes["rows"] if large else 0
-    shared = {
+    laid = {
+        "rows": np.zeros((sizes["rows"], 2, sizes["width"])),
+        "solved": np.zeros((sizes["rows"], 2, sizes["width"])),
+    }
+    shared: dict[str, Any] = {
         "white": np.zeros((sizes["white"], 2, sizes["width"])),
         "row_body": np.full((sizes["rows"], 2), -1, dtype=np.int64),
         "free": np.zeros(sizes["rows"]),
@@ -162,8 +166,11 @@ def workspace(
     solving: dict[str, Any]
     if in_space:
         from lcpflex.solvers.contact.cones.memory import cone_data, cone_memory, remembered_cones
+        from lcpflex.solvers.contact.operators.scene import scene_rows
 
-        cones = {"problem": cone_data(dense), "solver": cone_memory(capacity, known, dense, ndof)}
+        posed = cone_data(dense)
+        scene = scene_rows(capacity, row_body=shared["row_body"], dof=dof, **laid)
+        cones = {"problem": posed, "solver": cone_memory(capacity, posed, scene, known)}
         solving = {**cones, "remembered": remembered_cones(capacity, recalled)}
     else:
         pairs = {"problem": contact_data(dense), "solver": prepare(dense, known)}
@@ -177,7 +184,7 @@ def workspace(
         dense=compliant.dense,
         joints=joints,
         islands=islands(len(dof) - 1, capacity, n_joint),
-        large=_large(sizes, solving["solver"].slip if in_space else np.zeros(0), dof=dof, **shared),
+        large=_large(sizes, solving["solver"].group.slip if in_space else np.zeros(0), dof=dof, **shared),
         large_solver=_large_solver(sizes, before, each),
         dense_limit=before.dense_limit if before else NO_LIMIT,
         strict_large=before.strict_large if before else 0,
@@ -185,6 +192,7 @@ def workspace(
         largest=before.largest if before else 0,
         compliant=compliant,
         **solving,
+        **laid,
         **shared,
     )
 

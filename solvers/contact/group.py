@@ -28,5 +28,6 @@ class Group:
     load: FloatArray = array("units")  # size of the free velocities, in units
     p: FloatArray = array("units", "rows")  # forces or impulses: from where, and found
     y: FloatArray = array("units", "rows")  # velocities under the forces judged last
+    miss: FloatArray = array("units")  # and what each misses of its law, in its unit
     slip: FloatArray = array("units")  # |v_T| / |p_T| in the last sweep, in space
     state: IntArray = array("units")  # see lcpflex.solvers.contact.laws.states

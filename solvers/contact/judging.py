@@ -18,7 +18,9 @@ from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.laws import BILATERAL, miss
 from lcpflex.solvers.contact.operators import Operator, begin, terms, velocity
 
-__all__ = ["Judged", "is_enough", "is_exact", "is_good", "judge", "lags", "measure_loads", "term_size", "weigh"]
+__all__ = [
+    "SLIDING", "Judged", "is_enough", "is_exact", "is_good", "judge", "lags", "measure_loads", "term_size", "weigh",
+]  # fmt: skip
 
 SLIDING = 1e-6  # of the free velocities: a contact that slips by more is no resting one
 
@@ -55,7 +57,8 @@ def judge(op: Operator, group: Group, judged: Judged, p: FloatArray, like: Vecto
     for k in range(group.n):
         v = velocity(op, group, k, like)
         put(group.y, k, v)
-        worst = max(worst, miss(group, k, taken(p, k, like), v))
+        group.miss[k] = miss(group, k, taken(p, k, like), v)
+        worst = max(worst, group.miss[k])
     judged.worst = worst
     return worst
 
@@ -72,7 +75,7 @@ def weigh(op: Operator, group: Group, judged: Judged, p: FloatArray, like: Vecto
             largest = np.inf
         largest = max(largest, size)
         if group.law[k] != BILATERAL:
-            share = own_share(miss(group, k, force, v), with_others, group.load[k], judged.load)
+            share = own_share(group.miss[k], with_others, group.load[k], judged.load)
             if share > missed:
                 missed, judged.behind = share, k
             if force[0] > 0.0:

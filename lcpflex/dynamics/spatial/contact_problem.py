@@ -13,18 +13,19 @@ from lcpflex.dynamics.joint_response import condense
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.solvers.balance import DEAD, contact_units
+from lcpflex.solvers.contact.cones.dense import FLOOR
+from lcpflex.solvers.contact.judging import measure_loads
+from lcpflex.solvers.contact.laws import COULOMB
 
 __all__ = [
     "describe_contacts",
     "describe_island",
-    "load_of",
+    "give_forces",
     "has_joints",
     "lay_contacts",
     "pose_island",
     "take_forces",
 ]
-
-FLOOR = 1e-3  # of the terms of which free velocities are made: less of them is no measure of a residual
 
 
 @kernel
@@ -67,17 +68,21 @@ def product(rows: FloatArray, solved: FloatArray, a: int, b: int, i: int, j: int
 
 @kernel
 def describe_island(work: SpatialWork, i: int) -> None:
-    """Of the contacts of island i, which has no joints: their own blocks of G, units, tangential rows; the load."""
-    memory, islands, n_joint, dof = work.solver, work.islands, work.n_joint, work.dof
-    rows, solved, row_body = work.rows, work.solved, work.row_body
-    own, unit, contact = memory.own, memory.unit, islands.contact
+    """The contacts of island i, which has no joints: their rows, own blocks of G, units and loads."""
+    group, scene, islands, n_joint, dof = work.solver.group, work.solver.scene, work.islands, work.n_joint, work.dof
+    rows, solved, row_body, free = work.rows, work.solved, work.row_body, work.free
+    own, unit, contact = group.own, group.unit, islands.contact
     first = islands.start[i]
     n = islands.start[i + 1] - first
+    group.n = n
     for c in range(n):
         k = contact[first + c]
         r, j = n_joint + k, work.tangent_of[k]
         s = n_joint + work.n_contacts + j if j >= 0 else -1
-        memory.tangent_row[c] = s
+        scene.normal[c], scene.tangent[c] = r, s
+        group.law[c], group.mu[c] = COULOMB, work.mu[k] if s >= 0 else 0.0
+        group.free[c, 0] = free[r]
+        group.free[c, 1], group.free[c, 2] = (free[s], free[s + 1]) if s >= 0 else (0.0, 0.0)
         nn, n1, n2, aa, ab, bb = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for x in range(2):
             b = row_body[r, x]
@@ -94,36 +99,28 @@ def describe_island(work: SpatialWork, i: int) -> None:
                     aa += product(rows, solved, s, s, x, y, width)
                     ab += product(rows, solved, s, s + 1, x, y, width)
                     bb += product(rows, solved, s + 1, s + 1, x, y, width)
-        own[c, 0], own[c, 1], own[c, 2], own[c, 3], own[c, 4], own[c, 5] = nn, n1, n2, aa, ab, bb
+        own[c, 0], own[c, 1], own[c, 2] = nn, n1, n2
+        own[c, 3], own[c, 4], own[c, 5] = n1, aa, ab
+        own[c, 6], own[c, 7], own[c, 8] = n2, ab, bb
         unit[c] = max(nn, max(aa, bb))
         work.own[k] = nn
-        work.effect[k] = work.free[r]
+        work.effect[k] = free[r]
     contact_units(unit, n, DEAD)
-    weigh_load(work, i)
+    for c in range(n):
+        group.load[c] = load_of(work, c)
+    measure_loads(group, work.solver.judged)
 
 
 @kernel
-def weigh_load(work: SpatialWork, i: int) -> None:
-    """``work.solver.load``: the largest free velocity of island i, or what its terms make it worth, in units."""
-    memory, contact, n_joint, first = work.solver, work.islands.contact, work.n_joint, work.islands.start[i]
-    load = 0.0
-    for c in range(work.islands.start[i + 1] - first):
-        load = max(load, load_of(work, c, n_joint + contact[first + c], memory.tangent_row[c]))
-    memory.load = load
-
-
-@kernel
-def load_of(work: SpatialWork, c: int, r: int, s: int) -> float:
-    """Free velocity in rows r, s and s + 1 of contact c of an island, or what its terms make it worth, in its unit.
-
-    s < 0: in its normal row alone.
-    """
-    free, terms, n_joint = work.free, work.terms, work.n_joint
-    size = max(abs(free[r]), FLOOR * terms[r - n_joint])
+def load_of(work: SpatialWork, c: int) -> float:
+    """Free velocity of contact c of the island, or what its terms make it worth, in its unit."""
+    terms, free, n_joint = work.terms, work.solver.group.free, work.n_joint
+    r, s = work.solver.scene.normal[c], work.solver.scene.tangent[c]
+    size = max(abs(free[c, 0]), FLOOR * terms[r - n_joint])
     if s >= 0:
-        size = max(size, max(abs(free[s]), FLOOR * terms[s - n_joint]))
-        size = max(size, max(abs(free[s + 1]), FLOOR * terms[s + 1 - n_joint]))
-    return float(work.solver.unit[c] * size)
+        size = max(size, max(abs(free[c, 1]), FLOOR * terms[s - n_joint]))
+        size = max(size, max(abs(free[c, 2]), FLOOR * terms[s + 1 - n_joint]))
+    return float(work.solver.group.unit[c] * size)
 
 
 @kernel
@@ -212,4 +209,12 @@ def take_forces(work: SpatialWork) -> None:
     problem, part, p, n_joint = work.problem, work.part, work.p, work.n_joint
     for r in range(3 * problem.n_contacts):
         if part[r] >= 0:
-            p[n_joint + part[r]] = work.solver.force[r]
+            p[n_joint + part[r]] = work.solver.group.p[r // 3, r % 3]
+
+
+@kernel
+def give_forces(work: SpatialWork) -> None:
+    """Forces ``work.p`` to the problem posed: where its solver begins."""
+    problem, part, p, n_joint = work.problem, work.part, work.p, work.n_joint
+    for r in range(3 * problem.n_contacts):
+        work.solver.group.p[r // 3, r % 3] = p[n_joint + part[r]] if part[r] >= 0 else 0.0

@@ -9,59 +9,9 @@ from __future__ import annotations
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.contact.operators.scene import push_rows, row_velocities
 
-__all__ = ["add_impulses", "measure_free", "push", "speeds", "velocities"]
-
-
-@kernel
-def push(
-    solved: FloatArray,
-    row_body: IntArray,
-    dof: IntArray,
-    r: int,
-    s: int,
-    p: float,
-    p1: float,
-    p2: float,
-    x: FloatArray,
-) -> None:
-    """x += A^-1 (rows_r p + rows_s p1 + rows_s+1 p2); s < 0: rows_r alone."""
-    for i in range(2):
-        b = row_body[r, i]
-        if b < 0:
-            continue
-        d = dof[b]
-        width = dof[b + 1] - d
-        if s < 0:
-            for c in range(width):
-                x[d + c] += solved[r, i, c] * p
-        else:
-            for c in range(width):
-                x[d + c] += solved[r, i, c] * p + solved[s, i, c] * p1 + solved[s + 1, i, c] * p2
-
-
-@kernel
-def velocities(
-    rows: FloatArray, row_body: IntArray, dof: IntArray, r: int, s: int, u: FloatArray
-) -> tuple[float, float, float]:
-    """rows_r . u, rows_s . u and rows_s+1 . u of a contact [m/s]; s < 0: it has no tangential rows, and 0 there."""
-    v, v1, v2 = 0.0, 0.0, 0.0
-    for i in range(2):
-        b = row_body[r, i]
-        if b < 0:
-            continue
-        d = dof[b]
-        width = dof[b + 1] - d
-        if s < 0:
-            for c in range(width):
-                v += rows[r, i, c] * u[d + c]
-        else:
-            for c in range(width):
-                y = u[d + c]
-                v += rows[r, i, c] * y
-                v1 += rows[s, i, c] * y
-                v2 += rows[s + 1, i, c] * y
-    return v, v1, v2
+__all__ = ["add_impulses", "measure_free", "speeds"]
 
 
 @kernel
@@ -69,7 +19,7 @@ def speeds(
     rows: FloatArray, row_body: IntArray, dof: IntArray, free: FloatArray, r: int, s: int, x: FloatArray
 ) -> tuple[float, float, float]:
     """Velocities of the contact with the normal row r, tangential rows s and s + 1; s < 0: normal alone."""
-    v, v1, v2 = velocities(rows, row_body, dof, r, s, x)
+    v, v1, v2 = row_velocities(rows, row_body, dof, r, s, x)
     if s < 0:
         return free[r] + v, 0.0, 0.0
     return free[r] + v, free[s] + v1, free[s + 1] + v2
@@ -127,7 +77,7 @@ def add_impulses(work: SpatialWork, u: FloatArray) -> None:
     for k in range(work.n_contacts):
         r, j = n_joint + k, work.tangent_of[k]
         if j < 0:
-            push(solved, row_body, dof, r, j, p[r], 0.0, 0.0, u)
+            push_rows(solved, row_body, dof, r, j, p[r], 0.0, 0.0, u)
         else:
             s = n_joint + work.n_contacts + j
-            push(solved, row_body, dof, r, s, p[r], p[s], p[s + 1], u)
+            push_rows(solved, row_body, dof, r, s, p[r], p[s], p[s + 1], u)

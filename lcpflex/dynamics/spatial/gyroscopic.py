@@ -16,12 +16,12 @@ import math
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.joint_response import solve_joints
 from lcpflex.dynamics.spatial.body_forces import inertial_forces
-from lcpflex.dynamics.spatial.delassus import push
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.mechanics import multiply, solve_vector
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.spatial import SpatialModel
 from lcpflex.solvers.contact.cones.recollection import known_force
+from lcpflex.solvers.contact.operators.scene import push_rows
 from lcpflex.solvers.contact.recollection import place_of
 
 __all__ = ["spare_spin", "turn_on"]
@@ -115,7 +115,7 @@ def touch_bodies(model: SpatialModel, h: float, u: FloatArray, work: SpatialWork
         f, f1, f2, _ = known_force(known, place, table.normal, table.tangent, k, work.mu[k])
         r, j = n_joint + k, work.tangent_of[k]
         s = n_joint + work.n_contacts + j if j >= 0 else -1
-        push(work.solved, work.row_body, work.dof, r, s, f, f1, f2, touch)
+        push_rows(work.solved, work.row_body, work.dof, r, s, f, f1, f2, touch)
     if n_joint > 0:
         for r in range(n_joint):
             forces[r] = -row_velocity(work.rows, work.row_body, r, work.dof, touch)

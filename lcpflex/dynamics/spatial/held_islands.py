@@ -16,10 +16,10 @@ from lcpflex.dynamics.spatial.contact_problem import has_joints
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.shared_loads import put_forces, tangents_of, velocity_of
 from lcpflex.jit.kernel import kernel, late_kernel
-from lcpflex.solvers.contact.cones.dense import SLIDING
 from lcpflex.solvers.contact.cones.mixed_problem import fill_units
 from lcpflex.solvers.contact.cones.reserve import LIMIT, UNIQUE, held_forces
 from lcpflex.solvers.contact.cones.shares import TOUCHING
+from lcpflex.solvers.contact.judging import SLIDING
 from lcpflex.solvers.contact.recollection import place_of
 
 __all__ = ["GOES_ON", "hold_island", "moves", "way_of_motion"]
@@ -37,7 +37,7 @@ def before(work: SpatialWork, k: int, c: int, guess: int) -> tuple[int, int]:
         return NEW, guess
     kept = known.force[known.now, place]
     slip = kept[4] * math.sqrt(kept[1] * kept[1] + kept[2] * kept[2] + kept[3] * kept[3])
-    rested = kept[0] > 0.0 and memory.unit[c] * slip <= SLIDING * memory.load
+    rested = kept[0] > 0.0 and memory.group.unit[c] * slip <= SLIDING * memory.judged.load
     return RESTED if rested else SLID, place + 1 if place + 1 < known.n else 0
 
 
@@ -45,12 +45,12 @@ def before(work: SpatialWork, k: int, c: int, guess: int) -> tuple[int, int]:
 def moves(work: SpatialWork, i: int, posed: bool) -> bool:
     """Whether a contact of the island just solved slides, or one that carries nothing moves in any way."""
     memory, first = work.solver, work.islands.start[i]
-    found = memory.sliding == 1
+    found = memory.judged.sliding == 1
     for c in range(work.islands.start[i + 1] - first):
         k = work.islands.contact[first + c]
         if not found and not work.p[work.n_joint + k] > 0.0:
-            u, u1, u2 = velocity_of(work, posed, k, c)
-            found = memory.unit[c] * (abs(u) + abs(u1) + abs(u2)) > SLIDING * memory.load
+            u, u1, u2 = velocity_of(work, posed, c)
+            found = memory.group.unit[c] * (abs(u) + abs(u1) + abs(u2)) > SLIDING * memory.judged.load
     return found
 
 
@@ -64,12 +64,12 @@ def can_stop(work: SpatialWork, i: int) -> bool:
     memory, first = work.solver, work.islands.start[i]
     n, fastest, taken, most = work.islands.start[i + 1] - first, 0.0, 0.0, 0.0
     for c in range(n):
-        _, u1, u2 = velocity_of(work, True, work.islands.contact[first + c], c)
+        _, u1, u2 = velocity_of(work, True, c)
         slip = math.hypot(u1, u2)
-        fastest, taken = max(fastest, slip), max(taken, memory.unit[c] * slip)
+        fastest, taken = max(fastest, slip), max(taken, memory.group.unit[c] * slip)
     for c in range(n):
         k = work.islands.contact[first + c]
-        _, u1, u2 = velocity_of(work, True, k, c)
+        _, u1, u2 = velocity_of(work, True, c)
         most += work.mu[k] * work.p[work.n_joint + k] * (fastest - math.hypot(u1, u2))
     return most >= taken * taken
 
@@ -95,11 +95,13 @@ def way_of_motion(work: SpatialWork, i: int, posed: bool, resting: bool) -> int:
         rests[c] = 0 if state == SLID else 1
         if not jointed and state != RESTED:
             return GOES_ON
-        u, u1, u2 = velocity_of(work, posed, k, c)
-        begins = begins or (rests[c] == 1 and memory.unit[c] * (abs(u) + abs(u1) + abs(u2)) > SLIDING * memory.load)
+        u, u1, u2 = velocity_of(work, posed, c)
+        begins = begins or (
+            rests[c] == 1 and memory.group.unit[c] * (abs(u) + abs(u1) + abs(u2)) > SLIDING * memory.judged.load
+        )
     if begins:
         return BEGINS if jointed else STOPS
-    if memory.sliding == 0 or not posed or not can_stop(work, i):
+    if memory.judged.sliding == 0 or not posed or not can_stop(work, i):
         return GOES_ON
     for c in range(n):
         rests[c] = 1
@@ -146,7 +148,7 @@ def put_held(work: SpatialWork, i: int) -> None:
         t, j = tangents_of(work, k), p.at[c]
         f = max(p.x[c], 0.0)
         work.p[work.n_joint + k] = f
-        work.solver.slip[c] = 0.0
+        work.solver.group.slip[c] = 0.0
         if t >= 0:
             size, most = math.hypot(p.x[j], p.x[j + 1]), work.mu[k] * f
             share = most / size if size > most else 1.0
@@ -167,8 +169,12 @@ def hold_island(work: SpatialWork, i: int, posed: bool, way: int) -> bool:
         opens = False
         for c in range(p.n):
             k = work.islands.contact[first + c]
-            u, _, _ = velocity_of(work, posed, k, c)
-            if p.rests[c] == 1 and not work.p[work.n_joint + k] > 0.0 and memory.unit[c] * u > TOUCHING * memory.load:
+            u, _, _ = velocity_of(work, posed, c)
+            if (
+                p.rests[c] == 1
+                and not work.p[work.n_joint + k] > 0.0
+                and memory.group.unit[c] * u > TOUCHING * memory.judged.load
+            ):
                 p.rests[c], opens = 0, True
         if opens:
             lay_held(work, i, posed)

@@ -12,9 +12,11 @@ import math
 
 from lcpflex.dynamics.spatial.cone_sweeps import judge_island
 from lcpflex.dynamics.spatial.contact_problem import describe_island
-from lcpflex.dynamics.spatial.delassus import push, speeds
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.solvers.contact.algebra import IN_SPACE
+from lcpflex.solvers.contact.operators import begin
+from lcpflex.solvers.contact.operators.scene import row_velocities
 
 __all__ = ["shorten_island", "way_in_cone"]
 
@@ -25,42 +27,39 @@ LIGHTEST = 1e-8  # of the largest weight: less gets no less, being nothing
 
 
 @kernel
-def respond(work: SpatialWork, i: int, force: FloatArray, out: FloatArray) -> None:
-    """out = W force of island i, in units of its contacts; rows of open contacts are 0."""
-    memory, contact, n_joint, dof = work.solver, work.islands.contact, work.n_joint, work.dof
-    x, unit, tangent, zero = memory.change, memory.unit, memory.tangent_row, work.bias
-    first = work.islands.start[i]
-    n = work.islands.start[i + 1] - first
-    for d in range(len(x)):
-        x[d] = 0.0
-    for c in range(n):
-        r, own = n_joint + contact[first + c], unit[c]
-        f, f1, f2 = own * force[3 * c], own * force[3 * c + 1], own * force[3 * c + 2]
-        push(work.solved, work.row_body, dof, r, tangent[c], f, f1, f2, x)
-    for c in range(n):
-        r, s, own = n_joint + contact[first + c], tangent[c], unit[c] * work.solver.slip[c]
-        u, u1, u2 = speeds(work.rows, work.row_body, dof, zero, r, s, x)
-        out[3 * c], out[3 * c + 1], out[3 * c + 2] = own * u, own * u1, own * u2
+def respond(work: SpatialWork, force: FloatArray, out: FloatArray) -> None:
+    """out = W force of the island described, both (contacts, 3) in units; rows of open contacts are 0."""
+    group, op = work.solver.group, work.solver.scene
+    for c in range(group.n):
+        for x in range(3):
+            out[c, x] = group.unit[c] * force[c, x]
+    begin(op, group, out, IN_SPACE)
+    for c in range(group.n):
+        own = group.unit[c] * group.slip[c]
+        u, u1, u2 = row_velocities(op.rows, op.row_body, op.dof, op.normal[c], op.tangent[c], op.x)
+        out[c, 0], out[c, 1], out[c, 2] = own * u, own * u1, own * u2
 
 
 @kernel
 def mark_touching(work: SpatialWork, i: int) -> bool:
-    """1 in ``work.solver.slip`` for contacts that touch, 0 for those that open; whether nothing slips."""
-    memory, contact, n_joint = work.solver, work.islands.contact, work.n_joint
-    first = work.islands.start[i]
+    """1 in ``work.solver.group.slip`` for contacts that touch, 0 for those that open; whether nothing slips."""
+    group, judged = work.solver.group, work.solver.judged
     describe_island(work, i)
-    judge_island(work, i)
-    for c in range(work.islands.start[i + 1] - first):
-        r, s = n_joint + contact[first + c], memory.tangent_row[c]
-        u, _, _ = speeds(work.rows, work.row_body, work.dof, work.free, r, s, memory.change)
-        memory.slip[c] = 1.0 if memory.unit[c] * u <= TOUCHING * memory.load else 0.0
-    return bool(memory.sliding == 0 and memory.residual <= memory.tolerance)
+    judge_island(work)
+    for c in range(group.n):
+        group.slip[c] = 1.0 if group.unit[c] * group.y[c, 0] <= TOUCHING * judged.load else 0.0
+    return bool(judged.sliding == 0 and judged.residual <= judged.tolerance)
 
 
 @kernel
 def weigh(work: SpatialWork, i: int) -> None:
     """The units of the contacts of island i times the roots of their weights, over that of the largest."""
-    unit, contact, weight, first = work.solver.unit, work.islands.contact, work.table.weight, work.islands.start[i]
+    unit, contact, weight, first = (
+        work.solver.group.unit,
+        work.islands.contact,
+        work.table.weight,
+        work.islands.start[i],
+    )
     n = work.islands.start[i + 1] - first
     largest = 0.0
     for c in range(n):
@@ -74,68 +73,63 @@ def weigh(work: SpatialWork, i: int) -> None:
 @kernel
 def shorten_island(work: SpatialWork, i: int) -> None:
     """Shorten the forces ``work.p`` of island i, which has no joints, where nothing slips."""
-    memory, p, contact, n_joint = work.solver, work.p, work.islands.contact, work.n_joint
-    first = work.islands.start[i]
-    n = work.islands.start[i + 1] - first
-    least, left, ahead, moved = memory.force, memory.aside, memory.velocity, memory.sums
+    memory, group = work.solver, work.solver.group
     if not mark_touching(work, i):
         return
     weigh(work, i)
-    for r in range(len(work.bias)):
-        work.bias[r] = 0.0
+    n, least, left, ahead, moved = group.n, group.p, memory.aside, group.y, memory.moved
     for c in range(n):
-        r, s, unit = n_joint + contact[first + c], memory.tangent_row[c], memory.unit[c]
-        ahead[3 * c] = p[r] / unit
-        ahead[3 * c + 1] = p[s] / unit if s >= 0 else 0.0
-        ahead[3 * c + 2] = p[s + 1] / unit if s >= 0 else 0.0
-    respond(work, i, ahead, left)
+        for x in range(3):
+            ahead[c, x] = group.p[c, x] / group.unit[c]
+    respond(work, ahead, left)
     size = 0.0
-    for r in range(3 * n):
-        least[r], ahead[r] = 0.0, left[r]
-        size += left[r] * left[r]
+    for c in range(n):
+        for x in range(3):
+            least[c, x], ahead[c, x] = 0.0, left[c, x]
+            size += left[c, x] * left[c, x]
     square, done = size, 0
     while square > EXACT * EXACT * size and done < MOST * 3 * n:
-        respond(work, i, ahead, moved)
+        respond(work, ahead, moved)
         along = 0.0
-        for r in range(3 * n):
-            along += ahead[r] * moved[r]
+        for c in range(n):
+            for x in range(3):
+                along += ahead[c, x] * moved[c, x]
         if not along > 0.0:
             break
         share, before = square / along, square
         square = 0.0
-        for r in range(3 * n):
-            least[r] += share * ahead[r]
-            left[r] -= share * moved[r]
-            square += left[r] * left[r]
-        for r in range(3 * n):
-            ahead[r] = left[r] + square / before * ahead[r]
+        for c in range(n):
+            for x in range(3):
+                least[c, x] += share * ahead[c, x]
+                left[c, x] -= share * moved[c, x]
+                square += left[c, x] * left[c, x]
+        for c in range(n):
+            for x in range(3):
+                ahead[c, x] = left[c, x] + square / before * ahead[c, x]
         done += 1
     if square <= ENOUGH * ENOUGH * size:
-        approach(work, i)
+        approach(work)
 
 
 @kernel
-def approach(work: SpatialWork, i: int) -> None:
-    """``work.p`` of island i towards ``work.solver.force``, in units, as far as all stay in their cones."""
-    memory, p, contact, n_joint = work.solver, work.p, work.islands.contact, work.n_joint
-    first = work.islands.start[i]
-    n = work.islands.start[i + 1] - first
+def approach(work: SpatialWork) -> None:
+    """``work.p`` of the island described towards ``group.p``, in units, as far as all stay in their cones."""
+    group, op, p = work.solver.group, work.solver.scene, work.p
     share = 1.0
-    for c in range(n):
-        k = contact[first + c]
-        r, s, unit = n_joint + k, memory.tangent_row[c], memory.unit[c]
-        f, g = p[r], unit * memory.force[3 * c] - p[r]
+    for c in range(group.n):
+        r, s, unit = op.normal[c], op.tangent[c], group.unit[c]
+        f, g = p[r], unit * group.p[c, 0] - p[r]
         if s < 0:
             share = min(share, f / -g) if f + g < 0.0 else share
         else:
-            g1, g2 = unit * memory.force[3 * c + 1] - p[s], unit * memory.force[3 * c + 2] - p[s + 1]
-            share = min(share, way_in_cone(f, p[s], p[s + 1], g, g1, g2, work.mu[k]))
-    for c in range(n):
-        r, s, unit = n_joint + contact[first + c], memory.tangent_row[c], memory.unit[c]
-        p[r] += share * (unit * memory.force[3 * c] - p[r])
+            g1, g2 = unit * group.p[c, 1] - p[s], unit * group.p[c, 2] - p[s + 1]
+            share = min(share, way_in_cone(f, p[s], p[s + 1], g, g1, g2, group.mu[c]))
+    for c in range(group.n):
+        r, s, unit = op.normal[c], op.tangent[c], group.unit[c]
+        p[r] += share * (unit * group.p[c, 0] - p[r])
         if s >= 0:
-            p[s] += share * (unit * memory.force[3 * c + 1] - p[s])
-            p[s + 1] += share * (unit * memory.force[3 * c + 2] - p[s + 1])
+            p[s] += share * (unit * group.p[c, 1] - p[s])
+            p[s + 1] += share * (unit * group.p[c, 2] - p[s + 1])
 
 
 @kernel

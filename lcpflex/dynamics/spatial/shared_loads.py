@@ -14,14 +14,16 @@ import math
 
 from lcpflex.dynamics.delassus import delassus
 from lcpflex.dynamics.spatial.cone_sweeps import judge_island, sweep_island
-from lcpflex.dynamics.spatial.contact_problem import has_joints
-from lcpflex.dynamics.spatial.delassus import push, speeds
+from lcpflex.dynamics.spatial.contact_problem import give_forces, has_joints, take_forces
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.least_cones import way_in_cone
 from lcpflex.jit.kernel import kernel, late_kernel
-from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, is_good, newton_on, sweep_on, weigh_forces
+from lcpflex.solvers.contact.algebra import IN_SPACE
+from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, mend_posed, tell, weigh_posed
 from lcpflex.solvers.contact.cones.memory import OF_A_PAIR
 from lcpflex.solvers.contact.cones.shares import MATTERS, NEEDED, SLIPS, TOUCHING, at_edge, share_out
+from lcpflex.solvers.contact.judging import is_good
+from lcpflex.solvers.contact.operators import push, velocity
 
 __all__ = ["judge_forces", "put_forces", "share_loads", "shares_in_joints", "tangents_of", "velocity_of"]
 
@@ -71,13 +73,13 @@ def shares_in_joints(work: SpatialWork, i: int) -> bool:
 
 
 @kernel
-def velocity_of(work: SpatialWork, posed: bool, k: int, c: int) -> tuple[float, float, float]:
-    """Velocity of contact k, the one at place c of its island, after the forces judged last."""
+def velocity_of(work: SpatialWork, posed: bool, c: int) -> tuple[float, float, float]:
+    """Velocity of the contact at place c of its island, under the forces judged last."""
+    group = work.solver.group
     if posed:
-        v = work.solver.velocity
-        return v[3 * c], v[3 * c + 1], v[3 * c + 2]
-    s = work.solver.tangent_row[c]
-    return speeds(work.rows, work.row_body, work.dof, work.free, work.n_joint + k, s, work.solver.change)
+        return group.y[c, 0], group.y[c, 1], group.y[c, 2]
+    u, u1, u2 = velocity(work.solver.scene, group, c, IN_SPACE)
+    return u, u1, u2
 
 
 @kernel
@@ -96,17 +98,17 @@ def gather(work: SpatialWork, i: int, leader: int, posed: bool) -> int:
         if shares.leader[c] != leader:
             continue
         k = work.islands.contact[first + c]
-        r, t, unit = work.n_joint + k, tangents_of(work, k), memory.unit[c]
-        u, u1, u2 = velocity_of(work, posed, k, c)
+        r, t, unit = work.n_joint + k, tangents_of(work, k), memory.group.unit[c]
+        u, u1, u2 = velocity_of(work, posed, c)
         f = p[r]
-        if not (f > 0.0 or unit * u <= TOUCHING * memory.load):
+        if not (f > 0.0 or unit * u <= TOUCHING * memory.judged.load):
             continue
         if 3 * n + 3 > len(shares.b):
             return 0  # more than there is room for
         along, across, rough = 0.0, 0.0, -1
         if t >= 0:
             slip = math.hypot(u1, u2)
-            if unit * slip > SLIPS * memory.load and at_edge(f, p[t], p[t + 1], work.mu[k]):
+            if unit * slip > SLIPS * memory.judged.load and at_edge(f, p[t], p[t + 1], work.mu[k]):
                 slides = True
                 along = p[t] / f if f > 0.0 else -work.mu[k] * u1 / slip
                 across = p[t + 1] / f if f > 0.0 else -work.mu[k] * u2 / slip
@@ -210,7 +212,7 @@ def take_shares(work: SpatialWork, i: int, n: int, part: float, posed: bool) -> 
             p[t] += d1
             p[t + 1] += d2
         if not posed:
-            push(work.solved, work.row_body, work.dof, r, t, d, d1, d2, memory.change)
+            push(memory.scene, memory.group, c, (d, d1, d2))
     for e in range(n):
         k = work.islands.contact[first + s.member[e]]
         if s.rough[e] >= 0 or tangents_of(work, k) < 0:
@@ -219,7 +221,7 @@ def take_shares(work: SpatialWork, i: int, n: int, part: float, posed: bool) -> 
             felt = 0.0
             for y in range(3 * n):
                 felt += s.G[x, y] * s.z[y]
-            if memory.unit[s.member[e]] * abs(felt) > MATTERS * memory.load:
+            if memory.group.unit[s.member[e]] * abs(felt) > MATTERS * memory.judged.load:
                 s.told = 1 + work.table.law[k]
 
 
@@ -255,28 +257,26 @@ def put_forces(work: SpatialWork, i: int, back: bool) -> None:
                 before[3 * c + x] = p[at]
 
 
-@kernel
-def judge_forces(work: SpatialWork, i: int, posed: bool, mend: bool) -> bool:
-    """Judge the forces ``work.p`` of island i, which sweeps ``mend`` where needed; whether they are good enough."""
+@late_kernel
+def judge_forces(work: SpatialWork, posed: bool, mend: bool) -> bool:
+    """Judge the forces ``work.p`` of the island solved last, mended where needed if that is asked for.
+
+    Whether they are good enough.
+    """
     memory = work.solver
-    if not posed:
-        judge_island(work, i)
-        if not is_good(memory) and mend:
-            return sweep_island(work, i, memory.iterations + FIRST_SWEEPS, False)
-        return is_good(memory)
-    part = work.part
-    for r in range(3 * work.problem.n_contacts):
-        memory.force[r] = work.p[work.n_joint + part[r]] if part[r] >= 0 else 0.0
-    weigh_forces(work.problem, memory)
-    if not is_good(memory) and mend:
-        good = sweep_on(work.problem, memory, memory.iterations + FIRST_SWEEPS, False) or newton_on(
-            work.problem, memory
-        )
-        for r in range(3 * work.problem.n_contacts):
-            if part[r] >= 0:
-                work.p[work.n_joint + part[r]] = memory.force[r]
-        return good
-    return is_good(memory)
+    if posed:
+        give_forces(work)
+        good = weigh_posed(memory)
+        if not good and mend:
+            good = mend_posed(work.problem, memory)
+            take_forces(work)
+    else:
+        judge_island(work)
+        good = is_good(memory.judged)
+        if not good and mend:
+            good = sweep_island(work, FIRST_SWEEPS, False)
+    tell(memory)
+    return good
 
 
 @late_kernel
@@ -291,7 +291,7 @@ def divide(work: SpatialWork, i: int, posed: bool) -> bool:
                 moved = share_group(work, i, c, posed) or moved
         if not moved:
             return True
-        if not judge_forces(work, i, posed, True):
+        if not judge_forces(work, posed, True):
             return False
     return True
 
@@ -303,7 +303,7 @@ def share_loads(work: SpatialWork, i: int, posed: bool) -> None:
     posed: as one dense problem, joints condensed. Where dividing leads nowhere, the forces stay as they are.
     """
     n = work.islands.start[i + 1] - work.islands.start[i]
-    if work.solver.sliding == 0 or n < NEEDED:
+    if work.solver.judged.sliding == 0 or n < NEEDED:
         return
     if posed and shares_in_joints(work, i):
         for c in range(n):
@@ -314,4 +314,4 @@ def share_loads(work: SpatialWork, i: int, posed: bool) -> None:
     put_forces(work, i, False)
     if not divide(work, i, posed):
         put_forces(work, i, True)
-        judge_forces(work, i, posed, False)
+        judge_forces(work, posed, False)

@@ -208,7 +208,7 @@ def solve_problems(work: SpatialWork, scheme: Any, t: float, last: bool, recorde
         if slides(work, scheme, i):
             status = solve_on_sets(work, scheme.sets, i, scheme.tolerance, warm, recorder)
             for c in range(islands.start[i + 1] - islands.start[i]):
-                work.solver.slip[c] = 0.0
+                work.solver.group.slip[c] = 0.0
         else:
             if smooth and scheme.turn == 0:
                 rest_on(work, scheme, i)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from lcpflex.contact.spatial.table import side_of
-from lcpflex.dynamics.spatial.delassus import velocities
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.solvers.contact.operators.scene import row_velocities
 from lcpflex.steppers.recorder import Recorder
 from lcpflex.steppers.spatial.records import friction_vector
 
@@ -19,7 +19,7 @@ def audit_contacts(u: FloatArray, work: SpatialWork, recorder: Recorder) -> floa
     u: velocity before; that behind is ``work.free_u``. A contact without a normal impulse has none at all.
     """
     n_joint, n, p, sums, table = work.n_joint, work.n_contacts, work.p, recorder.total_impulse, work.table
-    both = work.solver.change  # nobody needs it any more
+    both = work.solver.scene.x  # nobody needs it any more
     for i in range(len(u)):
         both[i] = 0.5 * (u[i] + work.free_u[i])
     lost_n, lost_t = 0.0, 0.0
@@ -28,7 +28,7 @@ def audit_contacts(u: FloatArray, work: SpatialWork, recorder: Recorder) -> floa
         if p[r] == 0.0:
             continue
         s = n_joint + n + j if j >= 0 else -1
-        v, v1, v2 = velocities(work.rows, work.row_body, work.dof, r, s, both)
+        v, v1, v2 = row_velocities(work.rows, work.row_body, work.dof, r, s, both)
         law = table.law[k]
         lost_n -= p[r] * v
         sums[law, 0] += p[r]

@@ -12,16 +12,17 @@ import math
 from lcpflex.dynamics.contact_problem import fits
 from lcpflex.dynamics.large_island import describe_island as describe_bodies, is_large
 from lcpflex.dynamics.spatial.cone_sweeps import judge_island, sweep_island
-from lcpflex.dynamics.spatial.contact_problem import describe_island, has_joints, pose_island, take_forces
+from lcpflex.dynamics.spatial.contact_problem import describe_island, give_forces, has_joints, pose_island, take_forces
 from lcpflex.dynamics.spatial.held_islands import GOES_ON, hold_island, moves, way_of_motion
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.least_cones import shorten_island
 from lcpflex.dynamics.spatial.shared_loads import judge_forces, put_forces, share_loads, shares_in_joints
 from lcpflex.jit.kernel import kernel, late_kernel
 from lcpflex.solvers.contact.algebra import IN_SPACE
-from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, is_good, lags, solve_cones
+from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, solve_cones, tell
 from lcpflex.solvers.contact.cones.memory import NOTHING_KNOWN, POSED
 from lcpflex.solvers.contact.cones.recollection import keep_force, known_force
+from lcpflex.solvers.contact.judging import is_good, lags
 from lcpflex.solvers.contact.large.solving import ROOM, solve_large as solve_many
 from lcpflex.solvers.contact.operators.fronts import lacks_room
 from lcpflex.solvers.contact.recollection import place_of, turn_over
@@ -40,11 +41,11 @@ def begin_island(work: SpatialWork, i: int, warm: bool) -> None:
     """Where the forces ``work.p`` of island i begin: from the last step, from none, or where they are."""
     memory, islands, table, known, p = work.solver, work.islands, work.table, work.remembered, work.p
     first, guess = islands.start[i], 0
-    memory.polished = 0
+    memory.sweeping.polished = 0
     if memory.begun == 1:
         memory.begun = 0
         for c in range(islands.start[i + 1] - first):
-            memory.slip[c] = 0.0
+            memory.group.slip[c] = 0.0
         return
     for c in range(islands.start[i + 1] - first):
         k = islands.contact[first + c]
@@ -52,13 +53,13 @@ def begin_island(work: SpatialWork, i: int, warm: bool) -> None:
         f, f1, f2, slip = known_force(known, place, table.normal, table.tangent, k, work.mu[k])
         if place >= 0:
             guess = place + 1 if place + 1 < known.n else 0
-            memory.polished = max(memory.polished, known.polished[known.now, place])
+            memory.sweeping.polished = max(memory.sweeping.polished, known.polished[known.now, place])
         r, j = work.n_joint + k, work.tangent_of[k]
         p[r] = f
         if j >= 0:
             s = work.n_joint + work.n_contacts + j
             p[s], p[s + 1] = f1, f2
-        memory.slip[c] = slip
+        memory.group.slip[c] = slip
 
 
 @kernel
@@ -75,8 +76,10 @@ def keep_island(work: SpatialWork, i: int) -> None:
             s = work.n_joint + work.n_contacts + j
             f1, f2 = p[s], p[s + 1]
         known.carried[1 - known.now, known.n_next + c] = 1 if known.before[k] > 0.0 else 0
-        known.polished[1 - known.now, known.n_next + c] = memory.polished
-        keep_force(known, known.n_next + c, table.key[k], table.normal, table.tangent, k, p[r], f1, f2, memory.slip[c])
+        known.polished[1 - known.now, known.n_next + c] = memory.sweeping.polished
+        keep_force(
+            known, known.n_next + c, table.key[k], table.normal, table.tangent, k, p[r], f1, f2, memory.group.slip[c]
+        )
     known.n_next += n
 
 
@@ -84,12 +87,10 @@ def keep_island(work: SpatialWork, i: int) -> None:
 def pose_begun(work: SpatialWork, i: int) -> None:
     """``work.problem`` of island i, and in ``work.solver`` the forces ``work.p`` to begin from."""
     pose_island(work, i)
-    force, part = work.solver.force, work.part
-    for r in range(3 * work.problem.n_contacts):
-        force[r] = work.p[work.n_joint + part[r]] if part[r] >= 0 else 0.0
+    give_forces(work)
 
 
-@kernel
+@late_kernel
 def solve_posed(work: SpatialWork, i: int, tolerance: float) -> int:
     """Island i as one dense problem, from the forces ``work.p``: DONE, GROW or SOLVER_FAILED."""
     memory = work.solver
@@ -110,10 +111,12 @@ def solve_posed(work: SpatialWork, i: int, tolerance: float) -> int:
 def solve_in_bodies(work: SpatialWork, i: int) -> bool:
     """Island i in the velocities of its bodies, from the forces ``work.p``; whether they are good enough."""
     memory = work.solver
-    n = work.islands.start[i + 1] - work.islands.start[i]
     describe_island(work, i)
-    memory.size, memory.iterations = 3 * n, 0.0
-    return sweep_island(work, i, FIRST_SWEEPS, False)
+    memory.size, memory.sweeping.iterations = 3 * memory.group.n, 0
+    judge_island(work)
+    good = sweep_island(work, FIRST_SWEEPS, False)
+    tell(memory)
+    return good
 
 
 @kernel
@@ -133,19 +136,22 @@ def solve_large(work: SpatialWork, i: int, warm: bool) -> int:
         return RunStatus.GROW
     describe_bodies(work, i)
     begin_joints(work, warm)
-    large.judged.tolerance = memory.tolerance
+    large.judged.tolerance = memory.judged.tolerance
     status = solve_many(work.large, large, IN_SPACE)
     if status == ROOM:
         return RunStatus.GROW
-    memory.size, memory.iterations = 3 * n, memory.iterations + large.search.sweeps + large.newton.factors
+    memory.size, made = 3 * n, large.search.sweeps + large.newton.factors
     if has_joints(work, i):
         memory.residual, memory.strict = large.judged.residual, large.judged.strict
+        memory.iterations = 1.0 * made
         return RunStatus.DONE if status == SOLVED else RunStatus.SOLVER_FAILED
+    memory.sweeping.iterations += made
     describe_island(work, i)
-    judge_island(work, i)
-    if lags(memory):
-        sweep_island(work, i, memory.iterations + FIRST_SWEEPS, False)
-    enough = is_good(memory) or (n > LAST_WORD and lags(memory))
+    judge_island(work)
+    if lags(memory.judged):
+        sweep_island(work, FIRST_SWEEPS, False)
+    tell(memory)
+    enough = is_good(memory.judged) or (n > LAST_WORD and lags(memory.judged))
     return RunStatus.DONE if enough else RunStatus.SOLVER_FAILED
 
 
@@ -191,7 +197,7 @@ def settle_shares(work: SpatialWork, i: int, tolerance: float, posed: bool, rest
         again = solve_posed(work, i, tolerance) == RunStatus.DONE if posed else solve_in_bodies(work, i)
         if not again:
             put_forces(work, i, True)
-            judge_forces(work, i, posed, False)
+            judge_forces(work, posed, False)
     share_loads(work, i, posed)
 
 
@@ -203,7 +209,7 @@ def solve_island(work: SpatialWork, i: int, tolerance: float, warm: bool, record
     """
     memory, islands = work.solver, work.islands
     n = islands.start[i + 1] - islands.start[i]
-    memory.tolerance = tolerance
+    memory.judged.tolerance = tolerance
     resting = memory.begun == 1
     if memory.known == NOTHING_KNOWN:
         begin_island(work, i, warm)
@@ -253,12 +259,10 @@ def shorten_forces(work: SpatialWork) -> bool:
 
     Of islands without joints in which nothing slips; see :func:`lcpflex.dynamics.spatial.least_cones.shorten_island`.
     """
-    islands, memory = work.islands, work.solver
+    islands = work.islands
     while islands.shortened < islands.count:
         i = islands.shortened
         if islands.start[i + 1] - islands.start[i] > 1 and not has_joints(work, i):
-            strict, residual = memory.strict, memory.residual
             shorten_island(work, i)
-            memory.strict, memory.residual = strict, residual
         islands.shortened += 1
     return True

@@ -6,13 +6,14 @@ from typing import Any
 
 from lcpflex.dynamics.large_island import describe_island as describe_bodies, is_large
 from lcpflex.dynamics.spatial.contact_problem import describe_island, has_joints, pose_island
-from lcpflex.dynamics.spatial.delassus import push, speeds
+from lcpflex.dynamics.spatial.delassus import speeds
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.mechanics import displace
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.model.spatial import SpatialModel
 from lcpflex.solvers.contact.algebra import IN_SPACE
 from lcpflex.solvers.contact.large.solving import ROOM, solve_large
+from lcpflex.solvers.contact.operators.scene import push_rows
 from lcpflex.steppers.projection import begin_lift, end_lift
 
 __all__ = ["lift_island"]
@@ -40,22 +41,18 @@ def lift_island(model: SpatialModel, work: SpatialWork, i: int, q: FloatArray) -
             m += 1
     if m == 0:
         return False
-    strict, residual = work.solver.strict, work.solver.residual
     held = has_joints(work, i)
     if held and is_large(work, i):
-        lifted = lift_in_bodies(model, work, i, m, q)
-        work.solver.strict, work.solver.residual = strict, residual
-        return lifted
+        return lift_in_bodies(model, work, i, m, q)
     if held:
         pose_island(work, i)
     else:
         describe_island(work, i)
-    for d in range(len(work.solver.change)):
-        work.solver.change[d] = 0.0
+    for d in range(len(work.solver.scene.x)):
+        work.solver.scene.x[d] = 0.0
     for _ in range(SWEEPS):
         if lift_once(work, i, m, held) <= ENOUGH * deepest:
             break
-    work.solver.strict, work.solver.residual = strict, residual
     displace(model, work, n_joint, n_joint + work.n_contacts, work.bias, q)
     return True
 
@@ -69,12 +66,12 @@ def lift_once(work: SpatialWork, i: int, m: int, held: bool) -> float:
         c = work.closed[e]
         r = n_joint + islands.contact[first + c]
         gap = work.drift[e]
-        own = G[3 * c, 3 * c] if held else memory.own[c, 0]
+        own = G[3 * c, 3 * c] if held else memory.group.own[c, 0]
         if held:
             for f in range(m):
                 gap += G[3 * c, 3 * work.closed[f]] * lifts[n_joint + islands.contact[first + work.closed[f]]]
         else:
-            moved, _, _ = speeds(work.rows, work.row_body, work.dof, work.free, r, -1, memory.change)
+            moved, _, _ = speeds(work.rows, work.row_body, work.dof, work.free, r, -1, memory.scene.x)
             gap += moved - work.free[r]
         if not own > 0.0:
             continue
@@ -83,7 +80,7 @@ def lift_once(work: SpatialWork, i: int, m: int, held: bool) -> float:
             lifts[r] += change
             largest = max(largest, abs(own * change))
             if not held:
-                push(work.solved, work.row_body, work.dof, r, -1, change, 0.0, 0.0, memory.change)
+                push_rows(work.solved, work.row_body, work.dof, r, -1, change, 0.0, 0.0, memory.scene.x)
     return largest
 
 

@@ -8,12 +8,20 @@ from __future__ import annotations
 
 from typing import Any, cast
 
+import numpy as np
+
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.solvers.contact.best import Best
 from lcpflex.solvers.contact.cones.mixed_problem import MixedProblem, mixed_problem
 from lcpflex.solvers.contact.cones.newton import ConeWork, cone_work
 from lcpflex.solvers.contact.cones.shares import Shares, shares
+from lcpflex.solvers.contact.group import Group
+from lcpflex.solvers.contact.judging import Judged
+from lcpflex.solvers.contact.operators.dense import Dense
+from lcpflex.solvers.contact.operators.scene import SceneRows, scene_rows
 from lcpflex.solvers.contact.recollection import fill_slots
+from lcpflex.solvers.contact.sweeping import Sweeping
 
 __all__ = [
     "COMPILED",
@@ -33,6 +41,9 @@ __all__ = [
 COMPILED, POSED = 0, 1  # methods: POSED, each problem with its Delassus operator, for solvers that are not compiled in
 NOTHING_KNOWN, SOLUTION_KNOWN, WEDGED_KNOWN = 0, 1, 2  # of a problem: ``force`` is to be judged, the last by its terms
 TOLERANCE = 1e-9  # of residuals, where nobody tells
+LOOK = 8  # sweeps between two judgements
+CRAWLING = 0.7  # of the residual left by LOOK sweeps: too much to go on for its sake
+POLISH = 40  # sweeps at most beyond the tolerance
 OF_A_PAIR = 64  # contacts of one pair of bodies whose load can be divided in an island that is not posed, at least
 
 
@@ -62,30 +73,25 @@ class SpatialSolverMemory:
     method: int
     known: int
     begun: int  # 1: the forces of the next island to be solved are those to begin from
+    # what is told of the last solve
     size: int
     residual: float  # in units of the contacts
     strict: float  # relative to the free velocity alone
     missed: float  # the largest part of its own load that is left of a contact
     behind: int  # that contact
     iterations: float
-    tolerance: float  # of the residual
-    load: float  # size of the free velocities
-    worst: float  # absolute residual of the present point
-    terms: float  # size of what cancels in its velocities
-    sliding: int  # 1: some contact slips at it
-    polished: int  # 1: forces were polished in the last step, and behind the solution: in this one
+    # the contacts of an island
+    group: Group
+    scene: SceneRows  # without joints, or as if there were none
+    dense: Dense  # posed
+    judged: Judged
+    sweeping: Sweeping
+    best: Best  # of sweeps that keep it, which these do not
     # what event-driven kernels of the plane read, which no contact of space comes to yet
     normal: FloatArray = array("contacts")
     tangential: FloatArray = array("contacts")
-    force: FloatArray = array("triples")
-    aside: FloatArray = array("triples")  # forces to go back to
-    velocity: FloatArray = array("triples")
-    sums: FloatArray = array("triples")  # sum |G_ij r_j| + |free_i|
-    slip: FloatArray = array("contacts")  # |u_T| / |r_T| of each contact in the last solution [m/s over N s]
-    own: FloatArray = array("contacts", 6)  # block of each contact in G: nn, n1, n2, 11, 12, 22
-    unit: FloatArray = array("contacts")  # d = 1 / sqrt(max G_kk) of each contact
-    tangent_row: IntArray = array("contacts")  # the first of its two rows in the scene; -1: without friction
-    change: FloatArray = array("ndof")  # of the velocities of bodies by the forces
+    aside: FloatArray = array("contacts", 3)  # forces to go back to
+    moved: FloatArray = array("contacts", 3)  # what forces do
     alike: FloatArray = array("rows", "rows")  # G, free velocities and forces in units of the contacts
     alike_free: FloatArray = array("rows")
     alike_force: FloatArray = array("rows")
@@ -116,20 +122,42 @@ def cone_data(capacity: int) -> SpatialContactData:
 
 
 def cone_memory(
-    capacity: int, before: SpatialSolverMemory | None = None, dense: int | None = None, ndof: int = 0
+    capacity: int,
+    posed: SpatialContactData,
+    scene: SceneRows | None = None,
+    before: SpatialSolverMemory | None = None,
 ) -> SpatialSolverMemory:
     """Memory for problems of so many contacts; what a smaller one knows goes on.
 
-    dense: of the largest that is posed with its Delassus operator, all if left out; ndof: velocities of the bodies.
+    posed: room for the largest that is posed with its Delassus operator; scene: rows of all, where they are in bodies.
     """
-    rows = 3 * (capacity if dense is None else dense)
-    sizes = {"contacts": capacity, "triples": 3 * capacity, "rows": rows, "ndof": ndof}
+    scene = scene_rows(capacity) if scene is None else scene
+    rows, ndof = len(posed.free), len(scene.x)
     pair = max(rows, 3 * min(capacity, OF_A_PAIR))
-    own = {"newton": cone_work(rows // 3), "shares": shares(capacity, pair, ndof), "held": mixed_problem(pair // 3)}
-    memory = allocate(SpatialSolverMemory, sizes, **own)
-    memory.tolerance = TOLERANCE
+    memory = allocate(
+        SpatialSolverMemory,
+        {"contacts": capacity, "rows": rows},
+        group=allocate(Group, {"units": capacity, "rows": 3, "block": 9}),
+        scene=scene,
+        dense=allocate(
+            Dense,
+            {"matrix": rows, "unknowns": 0},
+            symmetric=1,
+            columns=posed.delassus,
+            free=posed.free,
+            row=np.arange(rows, dtype=np.int64).reshape(-1, 3),
+        ),
+        judged=allocate(Judged, {}),
+        sweeping=allocate(Sweeping, {}, look=LOOK, crawling=CRAWLING, polish=POLISH),
+        best=allocate(Best, {"units": 0, "rows": 3}),
+        newton=cone_work(rows // 3),
+        shares=shares(capacity, pair, ndof),
+        held=mixed_problem(pair // 3),
+    )
+    memory.judged.tolerance = TOLERANCE
     if before is not None:
-        memory.method, memory.known, memory.tolerance = before.method, before.known, before.tolerance
+        memory.method, memory.known = before.method, before.known
+        memory.judged.tolerance = before.judged.tolerance
         memory.shares.told = before.shares.told
     return memory
 

@@ -8,13 +8,13 @@ import numpy as np
 
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.solvers.contact.cones.dense import lags
 from lcpflex.solvers.contact.cones.memory import (
     SOLUTION_KNOWN,
     WEDGED_KNOWN,
     SpatialContactData,
     SpatialSolverMemory,
 )
+from lcpflex.solvers.contact.judging import lags
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.problem import Solution
 from lcpflex.solvers.refusals import NO_LCP
@@ -48,7 +48,7 @@ def posed_lcp(data: SpatialContactData, memory: SpatialSolverMemory) -> NoReturn
 
 def tried_point(memory: SpatialSolverMemory) -> FloatArray:
     """The forces that the last solve came to."""
-    return memory.force[: memory.size].copy()
+    return memory.group.p[: memory.size // 3].flatten()
 
 
 def measured(
@@ -56,20 +56,20 @@ def measured(
 ) -> list[tuple[float, float, float]]:
     """Of the residual of forces z (3 n,): what is left, the size of its terms, its load."""
     problem = posed_problem(data, memory)
-    load = float(memory.load)
+    load = float(memory.judged.load)
     found = [problem.residual_parts(z) for z in points]
     return [(worst, max(size, load), max(own, load)) for worst, size, own in found]
 
 
 def put_wedged(memory: SpatialSolverMemory, z: FloatArray) -> None:
     """Leave there the best forces that could be found of wedged bodies, for when the problem is posed again."""
-    memory.force[: len(z)] = z
+    memory.group.p[: len(z) // 3] = np.reshape(z, (-1, 3))
     memory.known = WEDGED_KNOWN
 
 
 def lagging(memory: SpatialSolverMemory) -> bool:
     """Whether the last solve came to forces that are right as a whole, but not by the own load of some contact."""
-    return lags(memory)
+    return lags(memory.judged)
 
 
 def put_tried(memory: SpatialSolverMemory) -> None:
@@ -87,9 +87,9 @@ def take_solution(data: SpatialContactData, memory: SpatialSolverMemory, solutio
     """The answer of a Python solver as if the compiled one had found it."""
     n = data.n_contacts
     memory.size = 3 * n
-    memory.force[: 3 * n] = solution.z
+    memory.group.p[:n] = np.reshape(solution.z, (n, 3))
     memory.residual, memory.strict = solution.residual, getattr(solution, "strict", np.nan)
     memory.iterations = solution.iterations
     velocity = np.reshape(data.delassus[: 3 * n, : 3 * n] @ solution.z + data.free[: 3 * n], (n, 3))
     pull = np.linalg.norm(np.reshape(solution.z, (n, 3))[:, 1:], axis=1)
-    memory.slip[:n] = np.divide(np.linalg.norm(velocity[:, 1:], axis=1), pull, out=np.zeros(n), where=pull > 0.0)
+    memory.group.slip[:n] = np.divide(np.linalg.norm(velocity[:, 1:], axis=1), pull, out=np.zeros(n), where=pull > 0.0)

@@ -18,7 +18,8 @@ and Newton's method, whose unknowns x are the operator's own, with the change y 
     sweep_work(op, group)             multiplications of a factor that take as long as a sweep
 
 :mod:`.dense` keeps velocities by columns of W; :mod:`.bodies` and :mod:`.factor` keep x = J^T p, W = J J^T, by body and
-by compressed rows; :mod:`.blocks` keeps nothing and adds the blocks of a unit up.
+by compressed rows; :mod:`.blocks` keeps nothing and adds the blocks of a unit up; :mod:`.scene` has
+x = A^-1 B^T p by the rows of a step.
 """
 
 from __future__ import annotations

@@ -10,8 +10,9 @@ import pytest
 import lcpflex as lf
 from lcpflex.solvers import Auto
 from lcpflex.solvers.certificate import OWN
-from lcpflex.solvers.contact.cones.dense import is_good, lags, solve_cones
+from lcpflex.solvers.contact.cones.dense import solve_cones
 from lcpflex.solvers.contact.cones.memory import cone_data, cone_memory
+from lcpflex.solvers.contact.judging import is_good, lags
 from lcpflex.solvers.status import SOLVED
 from lcpflex.steppers.driver import MOST_RESCUES, Rescue
 from tests.islands import Island
@@ -44,16 +45,17 @@ def test_light_boxes_stay_where_they_are_on_a_sled_that_brakes(ratio: float, box
 
 def heavy_and_light(left: float):  # type: ignore[no-untyped-def]
     """Two contacts that do not feel each other, of 1 and of 1e-10 kg, 1 m/s; so much ``left`` of that of the latter."""
-    data, memory = cone_data(2), cone_memory(2)
+    data = cone_data(2)
+    memory = cone_memory(2, data)
     data.n_contacts, data.n_tangents = 2, 4
     mass = np.repeat([1.0, 1e-10], 3)
     data.delassus[:6, :6] = np.diag(1.0 / mass)
     data.free[:6] = np.tile([-1.0, 0.0, 0.0], 2)
     data.friction[:2] = 0.5
     data.key[:2], data.pair[:2] = (1, 2), (3, 4)
-    memory.tolerance = TOLERANCE
-    memory.force[:6] = -mass * data.free[:6]
-    memory.force[3] *= 1.0 - left
+    memory.judged.tolerance = TOLERANCE
+    memory.group.p[:2] = -np.reshape(mass * data.free[:6], (2, 3))
+    memory.group.p[1, 0] *= 1.0 - left
     return data, memory
 
 
@@ -61,15 +63,16 @@ def test_forces_that_are_right_as_a_whole_are_found_for_the_light_one_as_well() 
     """1e-4 of its load is 1e-9 of the load of the heavy one."""
     data, memory = heavy_and_light(0.99e-4)
     assert solve_cones(data, memory) == SOLVED
-    assert is_good(memory)
-    assert abs(memory.force[3] / 1e-10 - 1.0) < OWN * TOLERANCE
+    assert is_good(memory.judged)
+    assert abs(memory.group.p[1, 0] / 1e-10 - 1.0) < OWN * TOLERANCE
 
 
 def test_a_run_goes_on_with_what_is_right_as_a_whole_and_names_the_light_contact() -> None:
     """Where Auto was asked often enough: the step is not given up."""
     data, memory = heavy_and_light(0.99e-4)
-    memory.size, memory.residual, memory.missed, memory.behind = 6, 1e-9, 1e-4, 1
-    assert lags(memory)
+    memory.size, memory.missed, memory.behind = 6, 1e-4, 1
+    memory.judged.residual, memory.judged.missed = 1e-9, 1e-4
+    assert lags(memory.judged)
     rescue = Rescue(Auto(), TOLERANCE)
     work = SimpleNamespace(problem=data, solver=memory, islands=SimpleNamespace(next=0))
     rescue._at, rescue._times[0] = 2.0, MOST_RESCUES + 1
@@ -113,7 +116,7 @@ def test_impulses_that_are_right_as_a_whole_are_found_for_the_light_contact_as_w
     island = Island(white, row_body, np.full(2, 3), free, np.full(2, 0.5), np.abs(free), start)
     status, memory = island.solve(tolerance=TOLERANCE)
     assert status == SOLVED
-    assert memory.missed <= OWN * TOLERANCE
+    assert memory.judged.missed <= OWN * TOLERANCE
     assert abs(island.p[2] / light - 1.0) < OWN * TOLERANCE
 
 
