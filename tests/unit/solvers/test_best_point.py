@@ -14,7 +14,7 @@ def swept(monkeypatch):
     """A problem by its factor, sweeps that end before its solution, and nothing better behind them."""
     J, free, mu = columns(1, 6, ratio=1e6, push=0.8)
     short = BlockGaussSeidel(1e-13, sweep_limit=1)
-    monkeypatch.setattr(auto, "BlockGaussSeidel", lambda tolerance: short)
+    monkeypatch.setattr(auto, "_swept", lambda problem, guess, tolerance: short.solve(problem, guess))
 
     def fails(self, problem, *others):
         return accept(problem, np.zeros(problem.size), tolerance=1e-10, status=Status.RAY, route="nothing")
