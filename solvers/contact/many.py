@@ -19,9 +19,10 @@ from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.contact.active_set import REGULAR, TINY, on_active_set, states_of
 from lcpflex.solvers.contact.looks import SWEPT, Pace, by_looks
 from lcpflex.solvers.contact.problem import ContactProblem
-from lcpflex.solvers.contact.proximal import Proximal
 from lcpflex.solvers.contact.starts import forces_at, start_of
+from lcpflex.solvers.contact.strategy import attempts_for
 from lcpflex.solvers.contact.system import ContactSystem
+from lcpflex.solvers.contact.user_search import UserSearch
 from lcpflex.solvers.guard import ENDED, FAILED, words_of
 from lcpflex.solvers.problem import Solution, Status, accept
 
@@ -32,7 +33,7 @@ STEPS = {"swept": SWEPT, "swept_on": SWEPT, "finished": FINISHED, "relaxed": CON
 BETWEEN = (20, Pace(2, 16))  # sweeps between two runs of Newton's method
 # Sweeps at most; and so many of them that leave more of the residual than that fraction are the last.
 FEW, MORE, MANY = (200, Pace(2, 16, 24, 0.4)), (500, Pace(2, 16, 128, 0.8)), (2000, Pace(2, 16, 128, 0.8))
-ROUNDS = ((0.1, 150), (0.01, 60), (1e-3, 150), (0.1, 240))  # eps to begin with, and factors, of each run
+SWEEPS = 2000  # between runs of Newton's method, at most
 CONVEX_FACTORS = 25  # what the relaxation counts for
 SYMMETRY = 1e-10  # relative to the largest entry
 
@@ -160,18 +161,17 @@ class Search:
         return CONVEX
 
     def newton(self) -> str:
-        """Runs of the proximal Newton method from the best point, sweeps in between."""
-        method = Proximal(self.problem.balanced(), self._keep)
-        for eps, factors in ROUNDS:
-            if self.spent:
-                break
-            self.factors += method.run(self.best, eps, min(factors, self.budget - self.factors), self.tolerance)
-            if self.done:
-                self.states = self._states()
-            if self.done or self.finished():
-                break
-            self.forces = self.best.copy()
-            self._sweep(*BETWEEN)
+        """The attempts of the table, from the best point: runs of Newton's method, sweeps in between, and paths."""
+        search = UserSearch(self.system, attempts_for(2), self.tolerance)
+        try:
+            search.run(self.best, self.budget - self.factors, SWEEPS, self._is_good)
+        finally:
+            self.factors += search.factors
+            self.sweeps += search.sweeps
+        if self.done:
+            self.states = self._states()
+        else:
+            self.finished()
         return NEWTON
 
     def _states(self) -> IntArray:
@@ -199,6 +199,11 @@ class Search:
         if residual < self.least:
             self.best, self.least = forces.copy(), residual
         return residual
+
+    def _is_good(self, forces: FloatArray) -> bool:
+        """Keep forces, and tell whether they solve the problem."""
+        self._keep(forces)
+        return self.done
 
     def _sweep(self, sweeps: int, pace: Pace) -> None:
         """Sweep from ``forces`` on, and keep the best point."""

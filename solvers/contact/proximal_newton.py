@@ -115,6 +115,23 @@ def direction(op: Operator, group: Group, work: NewtonWork, n: int, like: Vector
 
 
 @kernel
+def advance(point: FloatArray, length: float, step: FloatArray, x: FloatArray, n: int) -> float:
+    """x = point + length step, which may be the point itself; the size of x."""
+    total = 0.0
+    for i in range(n):
+        x[i] = point[i] + length * step[i]
+        total += x[i] * x[i]
+    return math.sqrt(total)
+
+
+@kernel
+def clear(point: FloatArray, n: int) -> None:
+    """The point x = 0."""
+    for i in range(n):
+        point[i] = 0.0
+
+
+@kernel
 def solve_inner(
     op: Operator, group: Group, work: NewtonWork, eps: float, residual: float, limit: int, fresh: bool, like: Vector
 ) -> int:
@@ -123,8 +140,7 @@ def solve_inner(
     fresh: nothing is known of the last factor.
     """
     point, x, step, n = work.point, work.x, work.step, unknowns(op, group)
-    for i in range(n):
-        point[i] = 0.0
+    clear(point, n)
     size, largest = answers_at(op, group, work, point, eps, like), 0.0
     convex, well = work.convex == 1, True
     for _ in range(CONVEX_LIMIT if convex else INNER_LIMIT):
@@ -141,19 +157,14 @@ def solve_inner(
                 return 0
         cost, slope, length = work.cost, direction(op, group, work, n, like), 1.0
         while True:
-            largest = 0.0
-            for i in range(n):
-                x[i] = point[i] + length * step[i]
-                largest += x[i] * x[i]
-            largest = math.sqrt(largest)
+            largest = advance(point, length, step, x, n)
             now = answers_at(op, group, work, x, eps, like)
             if now <= (1.0 - 1e-4 * length) * size or (convex and work.cost <= cost + 1e-4 * length * slope):
                 break
             length *= SHRINK
             if length < (SHORTEST_CONVEX if convex else SHORTEST):
                 return 0
-        for i in range(n):
-            point[i] = x[i]
+        advance(point, length, step, point, n)
         well = now <= WELL * size
         size = now
     return 0

@@ -180,7 +180,11 @@ class ContactSystem:
     @property
     def forces(self) -> FloatArray:
         """(m,) in the order of the problem; a copy."""
-        return self.group.p.ravel()[self._place]
+        return self.by_rows(self.group.p)
+
+    def by_rows(self, p: FloatArray) -> FloatArray:
+        """Forces or velocities (n, S) of the units in the order of the problem, (m,)."""
+        return p.ravel()[self._place]
 
     def take(self, forces: FloatArray) -> None:
         """Begin from forces (m,): their velocities, and the slips and states that they belong to."""
@@ -191,7 +195,7 @@ class ContactSystem:
             group.slip[:], group.state[:] = 0.0, OPEN
             return
         if self.like is PLANAR:
-            group.state[:] = states_of(self.problem, forces, group.y.ravel()[self._place])
+            group.state[:] = states_of(self.problem, forces, self.by_rows(group.y))
             return
         rub = np.hypot.reduce(group.p[:, 1:], axis=1)
         slip = np.hypot.reduce(group.y[:, 1:], axis=1)
@@ -273,7 +277,8 @@ def _operator(problem: Any, group: Group, row: IntArray, storage: Storage, dense
         return allocate(Factor, {"columns": J.shape[1]}, row=row, **named)
     if not isinstance(storage, np.ndarray):
         group.own[:] = storage.own
-        return allocate(Blocks, {}, first=storage.first, other=storage.other, block=storage.block)
+        sizes = {"units": group.n, "rows": row.shape[1]}
+        return allocate(Blocks, sizes, first=storage.first, other=storage.other, block=storage.block)
     if dense is None:
         shared = group.n > FEW and np.array_equal(storage, storage.T)
         columns = storage if shared else np.array(storage.T, order="C")

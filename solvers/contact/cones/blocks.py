@@ -14,7 +14,7 @@ from lcpflex.solvers.contact.cones import newton as method
 from lcpflex.solvers.contact.cones.alart_curnier import lengths, mixed_rows
 from lcpflex.solvers.contact.cones.newton import ConeWork, misses
 
-__all__ = ["ConeBlocks", "newton_on_blocks", "proximal_on_blocks"]
+__all__ = ["ConeBlocks", "newton_on_blocks"]
 
 
 class ConeBlocks:
@@ -159,6 +159,3 @@ newton_on_blocks: Any = interpreted(
     method.newton, look=_look, direction=_direction, measure=_measure, expired=out_of_time
 )  # fmt: skip
 """As :func:`.newton.newton`, with :class:`ConeBlocks` for W."""
-
-proximal_on_blocks: Any = interpreted(method.proximal, look=_look, newton=newton_on_blocks, expired=out_of_time)
-"""As :func:`.newton.proximal`, with :class:`ConeBlocks` for W."""

@@ -9,8 +9,8 @@ import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.attention import Ear, listening
-from lcpflex.solvers.contact.cones.blocks import ConeBlocks, newton_on_blocks, proximal_on_blocks
-from lcpflex.solvers.contact.cones.newton import cone_work, newton, proximal
+from lcpflex.solvers.contact.cones.blocks import ConeBlocks, newton_on_blocks
+from lcpflex.solvers.contact.cones.newton import cone_work, newton
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.contact.system import ContactSystem, storage_of
 
@@ -37,12 +37,6 @@ class ConeRun:
         """Newton's method from the forces to the best point, in place; how many linear systems were solved."""
         method = newton if self.dense is not None else newton_on_blocks
         arguments = (self._operator(), *self.problem._data[1:3], self.n, 0.0, forces, GOAL, limit, self._work)
-        return self._heard(forces, lambda: method(*arguments))
-
-    def proximal(self, forces: FloatArray, tolerance: float, limit: int) -> int:
-        """Proximal points from the forces to the best point, in place; how many linear systems were solved."""
-        method = proximal if self.dense is not None else proximal_on_blocks
-        arguments = (self._operator(), *self.problem._data[1:3], self.n, forces, tolerance, limit, self._work)
         return self._heard(forces, lambda: method(*arguments))
 
     def _heard(self, forces: FloatArray, advance: Callable[[], tuple[float, int]]) -> int:

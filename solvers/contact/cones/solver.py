@@ -16,7 +16,9 @@ from lcpflex.solvers.contact.cones.runs import ConeRun
 from lcpflex.solvers.contact.looks import SWEPT
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.contact.starts import own_units, start_of
+from lcpflex.solvers.contact.strategy import attempts_for
 from lcpflex.solvers.contact.system import MOST_DENSE
+from lcpflex.solvers.contact.user_search import UserSearch
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Solution, Status, accept
@@ -28,7 +30,7 @@ NEWTON = "Alart-Curnier Newton"
 RESCUED = "proximal points"
 STAGES = ((30, 20), (200, 40), (1000, 60))  # sweeps, and how many Newton steps are tried then
 CLOSE = 1e-2  # change of a sweep relative to the tolerance at which sweeps end
-MARGIN = 0.1  # of the tolerance, for proximal points: what is judged is rounded once more
+SWEEPS = 5000  # between runs of the proximal Newton method, at most
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,9 +130,14 @@ class _Attempt:
             self.steps += self.run.newton(forces, min(steps, self.limit - self.steps))
             self._look(forces, f"{SWEPT}, {NEWTON}")
         if not self._done():
-            forces = self.best.copy()
-            self.steps += self.run.proximal(forces, MARGIN * self.tolerance, self.limit - self.steps)
-            self._look(forces, f"{SWEPT}, {NEWTON}, {RESCUED}")
+            search = UserSearch(self.run.system, attempts_for(3), self.tolerance)
+            search.run(self.best, self.limit - self.steps, SWEEPS, self._is_good)
+            self.steps += search.factors
+            self.sweeps += search.sweeps
+
+    def _is_good(self, forces: FloatArray) -> bool:
+        self._look(forces, f"{SWEPT}, {NEWTON}, {RESCUED}")
+        return self.residual <= self.tolerance
 
     def _done(self) -> bool:
         return self.residual <= self.tolerance or self.limited or out_of_time()

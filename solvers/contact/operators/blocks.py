@@ -5,7 +5,7 @@ from __future__ import annotations
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import array, struct
 from lcpflex.solvers.contact import operators
-from lcpflex.solvers.contact.algebra import Vector, absolute, add_block, add_block_sizes, size_of, taken
+from lcpflex.solvers.contact.algebra import Vector, absolute, add_block, add_block_sizes, along, put, size_of, taken
 from lcpflex.solvers.contact.group import Group
 
 __all__ = ["Blocks"]
@@ -15,15 +15,19 @@ __all__ = ["Blocks"]
 class Blocks:
     """Blocks of unit k: first[k] to first[k + 1], with unit other[e], entries block[e] by rows."""
 
+    symmetric: int  # 1: W is
     first: IntArray = array("offsets")
     other: IntArray = array("entries")
     block: FloatArray = array("entries", "block")
+    p: FloatArray = array("units", "rows")  # forces as they are
 
 
 @operators.begin.of(Blocks)
-@kernel(inline=True)
+@kernel
 def begin(op: Blocks, group: Group, p: FloatArray, like: Vector) -> None:
-    """Nothing is kept but the forces."""
+    """A copy of the forces."""
+    for k in range(group.n):
+        put(op.p, k, taken(p, k, like))
 
 
 @operators.velocity.of(Blocks)
@@ -32,14 +36,15 @@ def velocity(op: Blocks, group: Group, k: int, like: Vector) -> Vector:
     """free + W_kc p_c over the units c that k has a block with."""
     v = taken(group.free, k, like)
     for e in range(op.first[k], op.first[k + 1]):
-        v = add_block(op.block, e, taken(group.p, op.other[e], like), v)
+        v = add_block(op.block, e, taken(op.p, op.other[e], like), v)
     return v
 
 
 @operators.push.of(Blocks)
 @kernel(inline=True)
 def push(op: Blocks, group: Group, k: int, d: Vector) -> None:
-    """Nothing is kept but the forces."""
+    """The copy follows."""
+    put(op.p, k, along(taken(op.p, k, d), 1.0, d))
 
 
 @operators.terms.of(Blocks)

@@ -96,7 +96,7 @@ class Problem:
         if storage == "blocks":
             block = self.W.reshape(n, rows, n, rows).transpose(0, 2, 1, 3).reshape(n * n, rows * rows).copy()
             first, other = n * np.arange(n + 1), np.tile(np.arange(n), n)
-            return allocate(Blocks, {}, first=first, other=other, block=block)
+            return allocate(Blocks, {"units": n, "rows": rows}, symmetric=1, first=first, other=other, block=block)
         m, columns = self.factor.shape
         place, value = np.tile(np.arange(columns), m), self.factor.ravel().copy()
         first = columns * np.arange(m + 1)

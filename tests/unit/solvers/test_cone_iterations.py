@@ -5,7 +5,7 @@ import pytest
 import scipy.sparse
 
 from lcpflex.solvers.contact.cones.alart_curnier import contact_miss, mixed_rows
-from lcpflex.solvers.contact.cones.blocks import ConeBlocks, newton_on_blocks, proximal_on_blocks
+from lcpflex.solvers.contact.cones.blocks import ConeBlocks, newton_on_blocks
 from lcpflex.solvers.contact.cones.linear import solve_general
 from lcpflex.solvers.contact.cones.newton import cone_work, newton, proximal
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
@@ -110,18 +110,18 @@ def test_newton_and_proximal_points_dense_and_by_blocks(make):
     W, free, friction, _ = alike._data
     start = swept(alike, alike.dense(), 10)[0].forces
     found = []
-    for operator, steps, points in ((W, newton, proximal), (ConeBlocks(W), newton_on_blocks, proximal_on_blocks)):
+    for operator, steps in ((W, newton), (ConeBlocks(W), newton_on_blocks)):
         work, forces = cone_work(n), start.copy()
         left, solved = steps(operator, free, friction, n, 0.0, forces, 1e-13, 60, work)
         assert solved <= 60
         if left > 1e-10:
-            points(operator, free, friction, n, forces, 1e-12, 500, work)
+            proximal(W, free, friction, n, forces, 1e-12, 500, work)
         assert alike.residual(forces) <= 1e-12
         found.append(forces)
-        far = np.zeros(3 * n)  # from nothing, by proximal points alone
-        residual, _ = points(operator, free, friction, n, far, 1e-11, 1000, work)
-        assert residual <= 1e-11
-        assert alike.residuals(far)[1] <= 1e-11
+    far = np.zeros(3 * n)  # from nothing, by proximal points alone
+    residual, _ = proximal(W, free, friction, n, far, 1e-11, 1000, cone_work(n))
+    assert residual <= 1e-11
+    assert alike.residuals(far)[1] <= 1e-11
     velocities = [alike.velocity(forces) for forces in found]
     np.testing.assert_allclose(*velocities, atol=1e-8)
 

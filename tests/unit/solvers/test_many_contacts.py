@@ -15,7 +15,6 @@ from lcpflex.solvers import Auto, ContactProblem, Lemke, Status, load_siconos_co
 from lcpflex.solvers.auto import FACTORS, SMALL
 from lcpflex.solvers.contact.cone import relaxed_forces
 from lcpflex.solvers.contact.many import Search
-from lcpflex.solvers.contact.proximal import Proximal
 from tests.piles import SPEED, columns, heap, moving, shuffled
 
 STORED = Path(__file__).parent / "siconos"
@@ -176,20 +175,6 @@ class TestAnswers:
 
 
 class TestMethods:
-    @pytest.mark.parametrize("kind", [by_factor, by_matrix])
-    @pytest.mark.parametrize("eps", [1.0, 0.1, 1e-3])
-    def test_proximal_newton(self, kind, eps):
-        problem = kind(columns(1, 4, push=0.8)).balanced()
-        seen = []
-
-        def keep(p):
-            seen.append(problem.residual(problem.unknowns(*np.split(p, [8]))))
-            return seen[-1]
-
-        spent = Proximal(problem, keep).run(np.zeros(16), eps, 200, 1e-10)
-        assert min(seen) <= 1e-10
-        assert 0 < spent <= 200
-
     def test_newton_alone_solves_what_slides(self):
         search = Search(by_matrix(pile_of("pushed")), None, 1e-8, FACTORS)
         assert search.run(search.newton)
