@@ -23,7 +23,7 @@ from lcpflex.solvers.contact.best import Best, copy_forces, keep_best
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.judging import Judged, is_enough, is_exact, judge, term_size
 from lcpflex.solvers.contact.laws import COULOMB, answer, derivative, room, soft
-from lcpflex.solvers.contact.operators import Operator, add_effect, defect, factorise, product, solve, unknowns
+from lcpflex.solvers.contact.operators import Operator, add_effect, defect, factorise, norm, product, solve, unknowns
 
 __all__ = ["LEAST_EPS", "NewtonWork", "answers_at", "convex_start", "linearise", "proximal_newton"]
 
@@ -65,13 +65,19 @@ class NewtonWork:
     slope: FloatArray = array("units", "rows")
 
 
+@kernel(inline=True)
+def stiffness(group: Group, k: int, eps: float) -> float:
+    """rho of unit k: 1 / eps in its own unit."""
+    return float(group.unit[k] * group.unit[k] / soft(group.law[k], eps))
+
+
 @kernel
 def answers_at(op: Operator, group: Group, work: NewtonWork, x: FloatArray, eps: float, like: Vector) -> float:
     """Forces ``trial`` and velocities ``speed`` at x, the state of all units, F in ``rest``; the size of F."""
     centre, convex, cost = work.centre, work.convex == 1, 0.0
     add_effect(op, group, x, work.base, work.speed, like)
     for k in range(group.n):
-        rho = 1.0 / soft(group.law[k], eps)
+        rho = stiffness(group, k, eps)
         c, y = taken(centre, k, like), taken(work.speed, k, like)
         q, state = answer(group, k, along(c, -rho, y), convex)
         d = less(q, c)
@@ -89,7 +95,7 @@ def answers_at(op: Operator, group: Group, work: NewtonWork, x: FloatArray, eps:
 def linearise(group: Group, work: NewtonWork, eps: float, like: Vector) -> None:
     """C = -dq/dy of all units in their states, at the velocities ``speed``."""
     for k in range(group.n):
-        rho = 1.0 / soft(group.law[k], eps)
+        rho = stiffness(group, k, eps)
         a = along(taken(work.centre, k, like), -rho, taken(work.speed, k, like))
         derivative(group, k, a, work.state[k], rho, work.C)
 
@@ -115,13 +121,10 @@ def direction(op: Operator, group: Group, work: NewtonWork, n: int, like: Vector
 
 
 @kernel
-def advance(point: FloatArray, length: float, step: FloatArray, x: FloatArray, n: int) -> float:
-    """x = point + length step, which may be the point itself; the size of x."""
-    total = 0.0
+def advance(point: FloatArray, length: float, step: FloatArray, x: FloatArray, n: int) -> None:
+    """x = point + length step, which may be the point itself."""
     for i in range(n):
         x[i] = point[i] + length * step[i]
-        total += x[i] * x[i]
-    return math.sqrt(total)
 
 
 @kernel
@@ -157,7 +160,8 @@ def solve_inner(
                 return 0
         cost, slope, length = work.cost, direction(op, group, work, n, like), 1.0
         while True:
-            largest = advance(point, length, step, x, n)
+            advance(point, length, step, x, n)
+            largest = norm(op, group, x)
             now = answers_at(op, group, work, x, eps, like)
             if now <= (1.0 - 1e-4 * length) * size or (convex and work.cost <= cost + 1e-4 * length * slope):
                 break

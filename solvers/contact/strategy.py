@@ -14,24 +14,29 @@ import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.solvers.contact.alart_curnier import alart_curnier
 from lcpflex.solvers.contact.algebra import Vector
 from lcpflex.solvers.contact.best import NOTHING, Best, copy_forces, forget_best, keep_best
 from lcpflex.solvers.contact.block_iteration import sweep
 from lcpflex.solvers.contact.group import Group
-from lcpflex.solvers.contact.judging import Judged, is_enough, is_exact, judge, term_size
-from lcpflex.solvers.contact.operators import Operator, factor_work, prepare, sweep_work
+from lcpflex.solvers.contact.judging import Judged, is_enough, is_exact, is_good, judge, term_size, weigh
+from lcpflex.solvers.contact.operators import Operator, factor_work, moves_centre, prepare, sweep_work
 from lcpflex.solvers.contact.proximal_newton import LEAST_EPS, NewtonWork, convex_start, proximal_newton
 from lcpflex.solvers.contact.tracing import trace
 
-__all__ = ["MANY_CONTACTS", "ROOM", "Attempt", "Attempts", "Search", "attempts_for", "find", "route_names"]
+__all__ = [
+    "MANY_CONTACTS", "NONE", "POSED_CONTACTS", "ROOM", "SETTLED", "Attempt", "Attempts", "Search", "attempts_for",
+    "conclude", "find", "newton_from_best", "route_names", "search_for", "serve_lagging",
+]  # fmt: skip
 
 ROOM = 100  # status: the memory of a factor is to grow first
 AT_ONCE, NONE = -1, -2  # routes: as it was; nothing solved it
 
-SWEEPS, NEWTON, CONVEX, PATH, AFRESH = range(5)  # methods
-NAMES = ("sweeps", "Newton", "convex law", "path", "from nothing")
+SWEEPS, NEWTON, CONVEX, PATH, AFRESH, ALART_CURNIER = range(6)  # methods
+NAMES = ("sweeps", "Newton", "convex law", "path", "from nothing", "Alart-Curnier")
 ALWAYS, CHEAP, DEAR = range(3)  # when: whatever a factor costs, unless or where it takes as long as many sweeps
 
+FACTORS, SWEEPS_LIMIT = 600, 1_000_000  # that one problem may take
 LEAST_FACTORS, FEW_FACTORS = 100, 10  # of a budget: for Newton's method and one path; where factors are dear
 ASTRAY = 1e3  # residual, relative to the free velocities, from which a start is not worth having
 WEDGED = 1e3  # terms, relative to the free velocities, from which bodies are wedged: Newton's method then cycles
@@ -40,6 +45,7 @@ CRAWLING = 0.7  # of the residual left by so many sweeps: too much to go on for 
 BESIDES = 10.0  # sweeps that take as long as what goes with a factor
 MANY_SWEEPS = 40.0  # that take as long as a factor which is dear: from there on they are the better use of a budget
 LEAST_PATH = 1e-10  # eps of a path
+SETTLED = 1e-14  # of the free velocities: what may be left where nothing creeps
 
 
 @dataclass(frozen=True)
@@ -49,7 +55,8 @@ class Attempt:
     Attributes
     ----------
     method
-        SWEEPS, NEWTON, CONVEX (start), PATH, or AFRESH: what follows begins from no forces at all.
+        SWEEPS, NEWTON, CONVEX (start), PATH, ALART_CURNIER, where an operator has the factors, or AFRESH: what follows
+        begins from no forces at all.
     count
         Sweeps, or factors of the sparse matrix, at most.
     eps
@@ -111,6 +118,9 @@ MANY_CONTACTS = (
 )
 """For steppers, in the velocities of bodies."""
 
+POSED_CONTACTS = (Attempt(ALART_CURNIER, 40), *MANY_CONTACTS[1:])
+"""For steppers, of problems that are posed with their matrix and that sweeps have not solved."""
+
 
 @struct
 class Attempts:
@@ -157,6 +167,13 @@ def attempts_for(rows: int, table: tuple[Attempt, ...] = MANY_CONTACTS) -> Attem
     for name, column in told.items():
         getattr(attempts, name)[:] = column
     return attempts
+
+
+def search_for(attempts: Attempts, operations: float = np.inf) -> Search:
+    """The limits of a search by a table; operations: multiplications that all its factors may take."""
+    search: Search = allocate(Search, {"attempts": int(attempts.n)})
+    search.factor_limit, search.sweep_limit, search.operation_limit = FACTORS, SWEEPS_LIMIT, operations
+    return search
 
 
 def route_names(search: Search, attempts: Attempts) -> str:
@@ -233,6 +250,8 @@ def is_for(
         return False
     if not attempts.above[a] * load <= best.worst <= attempts.below[a] * load:
         return False
+    if attempts.method[a] == ALART_CURNIER and not moves_centre(op):
+        return False
     return attempts.wedged[a] == 0 or term_size(op, group, judged, best.p, like) > WEDGED * load
 
 
@@ -257,6 +276,8 @@ def try_one(
         enough = proximal_newton(op, group, judged, best, work, attempts.eps[a], min(count, left), like)
         usual = best.worst <= 2.0 * search.usual * judged.load
         return enough and (attempts.exact[a] == 0 or is_exact(judged, best.worst) or usual)
+    if method == ALART_CURNIER:
+        return alart_curnier(op, group, judged, best, work, min(count, left), like)
     if method == CONVEX:
         convex_start(op, group, judged, best, work, min(count, left), like)
         return False  # Newton's method is to confirm it
@@ -309,4 +330,52 @@ def find(
                 return True
     search.route = NONE
     keep_best(group, best, best.aside, best.kept, like)
+    return True
+
+
+@kernel
+def conclude(op: Operator, group: Group, judged: Judged, best: Best, like: Vector) -> None:
+    """The sizes of what the best point misses, its velocities made anew."""
+    weigh(op, group, judged, best.p, like)
+    best.worst = judged.worst
+
+
+@kernel
+def newton_from_best(
+    op: Operator, group: Group, judged: Judged, best: Best, work: NewtonWork, eps: float, count: int, like: Vector
+) -> None:
+    """Newton's method from the best point."""
+    copy_forces(group, best.p, group.p, like)
+    proximal_newton(op, group, judged, best, work, eps, count, like)
+
+
+@kernel
+def serve_lagging(
+    op: Operator, group: Group, judged: Judged, best: Best, work: NewtonWork, search: Search, like: Vector
+) -> bool:
+    """Newton's method to rounding, for contacts that are far from the tolerance of their own load; False: lacks room.
+
+    The best point is within the tolerance as a whole, which says nothing of light bodies beside heavy ones.
+    """
+    if not prepare(op, group):
+        return False
+    bound_factors(op, group, search)
+    tolerance, forces = judged.tolerance, moves_centre(op)
+    for eps in (1e-6, 1e-2):
+        copy_forces(group, best.p, group.p, like)
+        left, judged.tolerance = min(60, search.allowed - work.factors), min(tolerance, SETTLED)
+        if forces:
+            alart_curnier(op, group, judged, best, work, left, like)
+        else:
+            proximal_newton(op, group, judged, best, work, eps, left, like)
+        judged.tolerance = tolerance
+        weigh(op, group, judged, group.p, like)
+        if is_good(judged):
+            best.worst = judged.worst
+            copy_forces(group, group.p, best.p, like)
+            break
+        conclude(op, group, judged, best, like)
+        if is_good(judged):
+            break
+        forces = False
     return True

@@ -193,7 +193,7 @@ def trace_in_plane(
     op: Operator, group: Group, judged: Judged, best: Best, work: NewtonWork, eps: float, count: int, like: Vector
 ) -> bool:
     """One factor for each change of a state."""
-    p, point, n, rho = group.p, work.point, unknowns(op, group), 1.0 / eps
+    p, point, n, rho = group.p, work.point, unknowns(op, group), 1.0 / eps  # units are scaled in the plane
     residual = judge(op, group, judged, p, like)
     copy_forces(group, p, work.centre, like)
     copy_forces(group, group.y, work.base, like)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -22,11 +21,10 @@ from lcpflex.solvers.contact.laws import LAWS, number_of
 from lcpflex.solvers.contact.operators import dense_newton  # noqa: F401  what Newton's method asks of a dense W
 from lcpflex.solvers.contact.operators.dense import Dense
 from lcpflex.solvers.contact.proximal_newton import NewtonWork
-from lcpflex.solvers.contact.strategy import Search, attempts_for, find, route_names
+from lcpflex.solvers.contact.strategy import attempts_for, find, route_names, search_for
 
 __all__ = ["UnitForces", "solve_units"]
 
-FACTORS, SWEEPS = 600, 100_000  # that one problem may take
 EVEN = 1e-10  # of the largest entry: a matrix that differs by more from its transpose is not symmetric
 
 
@@ -126,8 +124,7 @@ def _found(group: Group, op: Dense, scale: FloatArray, S: int, tolerance: float)
     like, attempts = (PLANAR if S == 2 else IN_SPACE), attempts_for(S)
     sizes = {"units": len(scale), "rows": S, "block": S * S, "unknowns": op.m}
     judged, best, work = allocate(Judged, {}), allocate(Best, sizes), allocate(NewtonWork, sizes)
-    search: Any = allocate(Search, {"attempts": int(attempts.n)})
-    search.factor_limit, search.sweep_limit, search.operation_limit = FACTORS, SWEEPS, np.inf
+    search = search_for(attempts)
     judged.tolerance = tolerance
     measure_loads(group, judged)
     find(op, group, judged, best, work, search, attempts, like)

@@ -38,9 +38,6 @@ __all__ = ["UserSearch", "split_ranks"]
 
 SYMMETRY = 1e-10  # relative to the largest entry
 RANK = 1e-12  # of the largest entry of a C_k: what is left is rounding
-SETTLED = (
-    1e-14  # of the free velocities: as far as it goes for contacts that are far from the tolerance of their own load
-)
 MARGIN = 0.1  # of the tolerance: what is judged is rounded once more, and contact by contact
 
 
@@ -176,8 +173,7 @@ class UserSearch:
             allocate(newton.NewtonWork, sizes),
         )
         measure_loads(group, self.judged)
-        self.search = allocate(strategy.Search, {"attempts": int(attempts.n)})
-        self.search.operation_limit = np.inf
+        self.search = strategy.search_for(attempts)
 
     @property
     def route(self) -> str:
@@ -196,7 +192,7 @@ class UserSearch:
 
     def _is_found(self, forces: FloatArray, factors: int, sweeps: int, keep: Callable[[FloatArray], bool]) -> bool:
         judged, tolerance = self.judged, MARGIN * self.tolerance
-        for goal in (tolerance, min(tolerance, SETTLED)):
+        for goal in (tolerance, min(tolerance, strategy.SETTLED)):
             judged.tolerance = goal
             try:
                 self._find(forces, factors - self.factors, sweeps - self.sweeps)

@@ -268,7 +268,7 @@ def judge_forces(work: SpatialWork, posed: bool, mend: bool) -> bool:
         give_forces(work)
         good = weigh_posed(memory)
         if not good and mend:
-            good = mend_posed(work.problem, memory)
+            good = mend_posed(memory)
             take_forces(work)
     else:
         judge_island(work)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from lcpflex.jit.kernel import kernel
+from lcpflex.jit.kernel import kernel, late_kernel
 from lcpflex.solvers.balance import DEAD, contact_units
 from lcpflex.solvers.certificate import ROUNDING, terms_residual
 from lcpflex.solvers.contact.algebra import IN_SPACE
+from lcpflex.solvers.contact.best import copy_forces
 from lcpflex.solvers.contact.cones.memory import (
     NOTHING_KNOWN,
     SOLUTION_KNOWN,
@@ -13,18 +14,17 @@ from lcpflex.solvers.contact.cones.memory import (
     SpatialContactData,
     SpatialSolverMemory,
 )
-from lcpflex.solvers.contact.cones.newton import newton, proximal
 from lcpflex.solvers.contact.judging import is_good, lags, measure_loads, weigh
 from lcpflex.solvers.contact.laws import COULOMB
-from lcpflex.solvers.contact.sweeping import left_over, sweep_on
+from lcpflex.solvers.contact.operators import dense_newton  # noqa: F401  what Newton's method asks of a dense W
+from lcpflex.solvers.contact.strategy import conclude, find, serve_lagging
+from lcpflex.solvers.contact.sweeping import sweep_on
 from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED
 
 __all__ = ["FIRST_SWEEPS", "FLOOR", "mend_posed", "newton_on", "solve_cones", "tell", "weigh_posed"]
 
 FLOOR = 1e-3  # of the terms of which free velocities are made: less of them is no measure of a residual
 FIRST_SWEEPS, SWEEPS = 200, 2000  # at most: before Newton's method, and behind it
-SYSTEMS, PROXIMAL_SYSTEMS = 40, 400  # that Newton's method solves, and proximal points
-EXACT, PROXIMAL = 1e-15, 0.1  # of Alart and Curnier's function; of the tolerance
 
 
 @kernel
@@ -71,50 +71,29 @@ def sweep_posed(memory: SpatialSolverMemory, count: int, patient: bool) -> bool:
     return sweep_on(memory.dense, memory.group, memory.judged, memory.sweeping, memory.best, IN_SPACE, count, patient)
 
 
-@kernel
-def newton_on(data: SpatialContactData, memory: SpatialSolverMemory) -> bool:
-    """Newton's method from the forces judged last, then proximal points; whether they are good enough.
-
-    What does not make them better is not kept.
-    """
-    n, G, work, group, judged = data.n_contacts, data.delassus, memory.newton, memory.group, memory.judged
-    W, free, force, unit = memory.alike, memory.alike_free, memory.alike_force, group.unit
-    for r in range(3 * n):
-        own = unit[r // 3]
-        free[r] = own * data.free[r]
-        for s in range(3 * n):
-            W[r, s] = own * unit[s // 3] * G[r, s]
-    for way in range(2):
-        lagging = lags(judged)
-        before = left_over(judged, lagging)
-        for r in range(3 * n):
-            force[r] = group.p[r // 3, r % 3] / unit[r // 3]
-            memory.aside[r // 3, r % 3] = group.p[r // 3, r % 3]
-        if way == 0:
-            _, solved = newton(W, free, data.friction, n, 0.0, force, EXACT * judged.load, SYSTEMS, work)
-        else:
-            _, solved = proximal(W, free, data.friction, n, force, PROXIMAL * judged.tolerance, PROXIMAL_SYSTEMS, work)
-        memory.sweeping.iterations += solved
-        for r in range(3 * n):
-            group.p[r // 3, r % 3] = unit[r // 3] * force[r]
-        good = weigh_posed(memory)
-        if not (left_over(judged, lagging) <= before and (lags(judged) or good or not lagging)):
-            for r in range(3 * n):
-                group.p[r // 3, r % 3] = memory.aside[r // 3, r % 3]
-            good = weigh_posed(memory)
-        if good:
-            return True
-    return False
+@late_kernel
+def newton_on(memory: SpatialSolverMemory) -> bool:
+    """Newton's method, and what else is in the table, from the forces judged last; whether they are good enough."""
+    op, group, judged, best, work, search = (
+        memory.dense, memory.group, memory.judged, memory.best, memory.newton, memory.search,
+    )  # fmt: skip
+    find(op, group, judged, best, work, search, memory.attempts, IN_SPACE)
+    conclude(op, group, judged, best, IN_SPACE)
+    if lags(judged):
+        serve_lagging(op, group, judged, best, work, search, IN_SPACE)
+    copy_forces(group, best.p, group.p, IN_SPACE)
+    memory.sweeping.iterations += search.sweeps + work.factors
+    return weigh_posed(memory)
 
 
 @kernel
-def mend_posed(data: SpatialContactData, memory: SpatialSolverMemory) -> bool:
+def mend_posed(memory: SpatialSolverMemory) -> bool:
     """A few sweeps from the forces judged last, Newton's method where they crawl; whether they are good enough."""
-    return sweep_posed(memory, FIRST_SWEEPS, False) or newton_on(data, memory)
+    return sweep_posed(memory, FIRST_SWEEPS, False) or newton_on(memory)
 
 
 @kernel
-def find(data: SpatialContactData, memory: SpatialSolverMemory) -> bool:
+def solve_described(data: SpatialContactData, memory: SpatialSolverMemory) -> bool:
     """Forces from those in ``memory``, as far as these are not known to solve the problem; whether they do."""
     known, judged = memory.known, memory.judged
     memory.known = NOTHING_KNOWN
@@ -129,7 +108,7 @@ def find(data: SpatialContactData, memory: SpatialSolverMemory) -> bool:
         return bool(judged.residual <= judged.tolerance)
     if known == SOLUTION_KNOWN and judged.residual <= judged.tolerance:
         return True
-    return mend_posed(data, memory) or sweep_posed(memory, SWEEPS, True)
+    return mend_posed(memory) or sweep_posed(memory, SWEEPS, True)
 
 
 @kernel
@@ -138,6 +117,6 @@ def solve_cones(data: SpatialContactData, memory: SpatialSolverMemory) -> int:
 
     The Delassus operator is symmetric. A few sweeps, Newton's method where they crawl, many sweeps where that fails.
     """
-    solved = find(data, memory)
+    solved = solve_described(data, memory)
     tell(memory)
     return SOLVED if solved else ITERATION_LIMIT

@@ -14,13 +14,14 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.solvers.contact.best import Best
 from lcpflex.solvers.contact.cones.mixed_problem import MixedProblem, mixed_problem
-from lcpflex.solvers.contact.cones.newton import ConeWork, cone_work
 from lcpflex.solvers.contact.cones.shares import Shares, shares
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.judging import Judged
 from lcpflex.solvers.contact.operators.dense import Dense
 from lcpflex.solvers.contact.operators.scene import SceneRows, scene_rows
+from lcpflex.solvers.contact.proximal_newton import NewtonWork
 from lcpflex.solvers.contact.recollection import fill_slots
+from lcpflex.solvers.contact.strategy import POSED_CONTACTS, Attempts, Search, attempts_for, search_for
 from lcpflex.solvers.contact.sweeping import Sweeping
 
 __all__ = [
@@ -86,16 +87,15 @@ class SpatialSolverMemory:
     dense: Dense  # posed
     judged: Judged
     sweeping: Sweeping
-    best: Best  # of sweeps that keep it, which these do not
+    best: Best  # of a search by Newton's method; sweeps of few contacts keep none
+    newton: NewtonWork  # of posed contacts
+    search: Search
+    attempts: Attempts
     # what event-driven kernels of the plane read, which no contact of space comes to yet
     normal: FloatArray = array("contacts")
     tangential: FloatArray = array("contacts")
     aside: FloatArray = array("contacts", 3)  # forces to go back to
     moved: FloatArray = array("contacts", 3)  # what forces do
-    alike: FloatArray = array("rows", "rows")  # G, free velocities and forces in units of the contacts
-    alike_free: FloatArray = array("rows")
-    alike_force: FloatArray = array("rows")
-    newton: ConeWork
     shares: Shares
     held: MixedProblem  # of an island that begins to slide, and may be held
 
@@ -134,6 +134,7 @@ def cone_memory(
     scene = scene_rows(capacity) if scene is None else scene
     rows, ndof = len(posed.free), len(scene.x)
     pair = max(rows, 3 * min(capacity, OF_A_PAIR))
+    searched, attempts = {"units": rows // 3, "rows": 3, "block": 9, "unknowns": rows}, attempts_for(3, POSED_CONTACTS)
     memory = allocate(
         SpatialSolverMemory,
         {"contacts": capacity, "rows": rows},
@@ -141,7 +142,7 @@ def cone_memory(
         scene=scene,
         dense=allocate(
             Dense,
-            {"matrix": rows, "unknowns": 0},
+            {"matrix": rows, "unknowns": rows},
             symmetric=1,
             columns=posed.delassus,
             free=posed.free,
@@ -149,8 +150,10 @@ def cone_memory(
         ),
         judged=allocate(Judged, {}),
         sweeping=allocate(Sweeping, {}, look=LOOK, crawling=CRAWLING, polish=POLISH),
-        best=allocate(Best, {"units": 0, "rows": 3}),
-        newton=cone_work(rows // 3),
+        best=allocate(Best, searched),
+        newton=allocate(NewtonWork, searched),
+        search=search_for(attempts),
+        attempts=attempts,
         shares=shares(capacity, pair, ndof),
         held=mixed_problem(pair // 3),
     )

@@ -13,11 +13,10 @@ from lcpflex.solvers.contact.judging import Judged
 from lcpflex.solvers.contact.operators.bodies import Bodies
 from lcpflex.solvers.contact.operators.sparse_factor import SparseFactor, sparse_factor
 from lcpflex.solvers.contact.proximal_newton import NewtonWork
-from lcpflex.solvers.contact.strategy import Attempts, Search, attempts_for
+from lcpflex.solvers.contact.strategy import Attempts, Search, attempts_for, search_for
 
 __all__ = ["BodyContacts", "LargeMemory", "grown", "large_memory"]
 
-FACTORS, SWEEPS = 600, {2: 1000, 3: 1_000_000}  # that one problem may take
 OPERATIONS = {2: 4e9, 3: 2e9}  # multiplications of all its factors
 TOLERANCE = {2: 1e-8, 3: 1e-9}  # of the residual, where nobody tells
 
@@ -80,13 +79,11 @@ def _allocated(sizes: dict[str, int], rows: int, before: LargeMemory | None) -> 
     sizes = {**sizes, "rows": rows, "block": rows * rows, "offsets": sizes["bodies"] + 1}
     factors = (None, None) if before is None else (before.op.factor, before.apart)
     attempts = attempts_for(rows)
-    search = allocate(Search, {"attempts": int(attempts.n)})
-    search.factor_limit, search.sweep_limit, search.operation_limit = FACTORS, SWEEPS[rows], OPERATIONS[rows]
     memory = allocate(
         LargeMemory,
         sizes,
         judged=allocate(Judged, {}),
-        search=search,
+        search=search_for(attempts, OPERATIONS[rows]),
         group=allocate(Group, sizes),
         op=allocate(Bodies, sizes, factor=sparse_factor(sizes, factors[0])),
         best=allocate(Best, sizes),

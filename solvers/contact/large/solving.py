@@ -6,71 +6,41 @@ import numpy as np
 
 from lcpflex.jit.kernel import kernel
 from lcpflex.solvers.contact.algebra import Vector
-from lcpflex.solvers.contact.best import copy_forces, forget_best, keep_best
-from lcpflex.solvers.contact.judging import is_enough, is_good, judge, lags, weigh
+from lcpflex.solvers.contact.best import forget_best, keep_best
+from lcpflex.solvers.contact.judging import is_enough, is_good, judge, lags
 from lcpflex.solvers.contact.large.memory import BodyContacts, LargeMemory
 from lcpflex.solvers.contact.large.packing import pack, unpack
 from lcpflex.solvers.contact.operators import (
     bodies_newton,  # noqa: F401  what Newton's method asks of rows by body
     prepare,
 )
-from lcpflex.solvers.contact.proximal_newton import proximal_newton
-from lcpflex.solvers.contact.strategy import NONE, ROOM, bound_factors, find
+from lcpflex.solvers.contact.strategy import (
+    NONE,
+    ROOM,
+    SETTLED,
+    conclude,
+    find,
+    newton_from_best,
+    serve_lagging,
+)
 from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED
 
 __all__ = ["ROOM", "solve_large", "take_impulses"]
 
 USUAL = 1e-6  # strict residual of the problem before up to which no better one is sought by all means
-SETTLED = 1e-14  # of the free velocities: what may be left where nothing creeps, and where contacts lag
 SETTLING_EPS, MORE, CHEAP = 1e-8, 12, 1e7  # for that: factors at most, and the operations that each may cost
-
-
-@kernel
-def conclude(memory: LargeMemory, like: Vector) -> None:
-    """The sizes of what the best point misses, its velocities made anew."""
-    weigh(memory.op, memory.group, memory.judged, memory.best.p, like)
-    memory.best.worst = memory.judged.worst
-
-
-@kernel
-def newton(memory: LargeMemory, eps: float, count: int, like: Vector) -> None:
-    """Newton's method from the best point."""
-    op, group, judged, best, work = memory.op, memory.group, memory.judged, memory.best, memory.newton
-    copy_forces(group, best.p, group.p, like)
-    proximal_newton(op, group, judged, best, work, eps, count, like)
 
 
 @kernel
 def settle(memory: LargeMemory, like: Vector) -> None:
     """Where nothing slips, a few factors more for a residual of rounding: what rests does not creep."""
-    work, judged = memory.newton, memory.judged
-    if judged.sliding == 0 and prepare(memory.op, memory.group) and memory.op.factor.work <= CHEAP:
+    op, group, judged, best, work = memory.op, memory.group, memory.judged, memory.best, memory.newton
+    if judged.sliding == 0 and prepare(op, group) and op.factor.work <= CHEAP:
         tolerance, floor = judged.tolerance, work.floor
         judged.tolerance, work.floor = SETTLED, SETTLING_EPS  # which stays: one factor serves
-        newton(memory, SETTLING_EPS, MORE, like)
+        newton_from_best(op, group, judged, best, work, SETTLING_EPS, MORE, like)
         judged.tolerance, work.floor = tolerance, floor
-        conclude(memory, like)
-
-
-@kernel
-def serve_lagging(memory: LargeMemory, like: Vector) -> bool:
-    """Newton's method to rounding, for contacts that are far from the tolerance of their own load; False: lacks room.
-
-    The best point is within the tolerance as a whole, which says nothing of light bodies beside heavy ones.
-    """
-    judged = memory.judged
-    if not prepare(memory.op, memory.group):
-        return False
-    bound_factors(memory.op, memory.group, memory.search)
-    tolerance = judged.tolerance
-    for eps in (1e-6, 1e-2):
-        judged.tolerance = min(tolerance, SETTLED)
-        newton(memory, eps, min(60, memory.search.allowed - memory.newton.factors), like)
-        judged.tolerance = tolerance
-        conclude(memory, like)
-        if not lags(judged):
-            break
-    return True
+        conclude(op, group, judged, best, like)
 
 
 @kernel
@@ -80,7 +50,7 @@ def take_impulses(problem: BodyContacts, memory: LargeMemory, like: Vector) -> b
     pack(problem, memory, like)
     forget_best(group, best, like)
     keep_best(group, best, group.p, judge(op, group, judged, group.p, like), like)
-    conclude(memory, like)
+    conclude(op, group, judged, best, like)
     return is_enough(op, group, judged, best, like)
 
 
@@ -95,10 +65,10 @@ def solve_large(problem: BodyContacts, memory: LargeMemory, like: Vector) -> int
     pack(problem, memory, like)
     if not find(op, group, judged, best, memory.newton, search, memory.attempts, like):
         return ROOM
-    conclude(memory, like)
+    conclude(op, group, judged, best, like)
     if len(like) == 3 and search.route != NONE:
         settle(memory, like)
-    if lags(judged) and not serve_lagging(memory, like):
+    if lags(judged) and not serve_lagging(op, group, judged, best, memory.newton, search, like):
         return ROOM
     unpack(problem, memory, best.p, like)
     # Where the rounding of the velocities is a part of the free ones, no residual says anything: it is inf.

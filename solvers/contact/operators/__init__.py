@@ -8,10 +8,13 @@
 and Newton's method, whose unknowns x are the operator's own, with the change y - base of velocities linear in x:
 
     unknowns(op, group)               how many
+    moves_centre(op)                  whether it has factors for a centre that moves with the forces
     add_effect(op, group, x, base, y, like)     y = base + effect of x, for all units
     product(op, group, a, b, like)    a.b in the metric in which F is measured
+    norm(op, group, x)                their length, in units in which they are alike
     defect(op, group, x, change, rest, like)    F = x - what the change of forces comes to; its size
     factorise(op, group, C, like)     of the Jacobian of F with C = -dp/dv (units, S S); False where it is singular
+    factorise_moving(op, group, C, like)    the same for a centre that moves with the forces
     solve(op, group, x)               x := J^-1 x by that factor
     prepare(op, group)                what a factor needs before the first one; False where there is no room for it
     factor_work(op, group)            multiplications of a factor
@@ -24,6 +27,7 @@ x = A^-1 B^T p by the rows of a step.
 
 from __future__ import annotations
 
+import math
 from typing import Any, TypeAlias
 
 from lcpflex.jit.kernel import FloatArray, kernel
@@ -32,8 +36,9 @@ from lcpflex.solvers.contact.algebra import Vector, own_size, taken
 from lcpflex.solvers.contact.group import Group
 
 __all__ = [
-    "Operator", "add_effect", "begin", "defect", "factor_work", "factorise", "own_terms", "prepare", "product", "push",
-    "solve", "sweep_work", "terms", "unknowns", "velocity",
+    "Operator", "add_effect", "begin", "defect", "defect_of_forces", "factor_work", "factorise",
+    "factorise_moving", "has_forces", "moves_centre", "norm", "norm_of_forces", "norm_of_velocities",
+    "own_terms", "prepare", "product", "push", "solve", "sweep_work", "terms", "unknowns", "velocity",
 ]  # fmt: skip
 
 Operator: TypeAlias = Any  # a struct that has kernels for the leaves below
@@ -81,6 +86,12 @@ def unknowns(op: Operator, group: Group) -> int:
 
 
 @leaf
+def moves_centre(op: Operator) -> bool:
+    """Whether it has factors for a centre that moves with the forces: then these are the unknowns."""
+    raise NotImplementedError
+
+
+@leaf
 def add_effect(op: Operator, group: Group, x: FloatArray, base: FloatArray, y: FloatArray, like: Vector) -> None:
     """Velocities y = base + effect of x of all units, (units, S)."""
     raise NotImplementedError
@@ -93,6 +104,12 @@ def product(op: Operator, group: Group, a: FloatArray, b: FloatArray, like: Vect
 
 
 @leaf
+def norm(op: Operator, group: Group, x: FloatArray) -> float:
+    """Length of unknowns, in units in which these are alike."""
+    raise NotImplementedError
+
+
+@leaf
 def defect(op: Operator, group: Group, x: FloatArray, change: FloatArray, rest: FloatArray, like: Vector) -> float:
     """F to ``rest``: x less what a change of the forces (units, S) comes to; its size."""
     raise NotImplementedError
@@ -101,6 +118,12 @@ def defect(op: Operator, group: Group, x: FloatArray, change: FloatArray, rest: 
 @leaf
 def factorise(op: Operator, group: Group, C: FloatArray, like: Vector) -> bool:
     """Factor of the Jacobian of F with C = -dp/dv, (units, S S) by rows; False where it is singular."""
+    raise NotImplementedError
+
+
+@leaf
+def factorise_moving(op: Operator, group: Group, C: FloatArray, like: Vector) -> bool:
+    """The same where the centre moves with the forces: of I - C / rho + C W, rho of each unit by its own diagonal."""
     raise NotImplementedError
 
 
@@ -126,3 +149,35 @@ def factor_work(op: Operator, group: Group) -> float:
 def sweep_work(op: Operator, group: Group) -> float:
     """Multiplications of a factor that take as long as a sweep."""
     raise NotImplementedError
+
+
+@kernel
+def norm_of_forces(op: Operator, group: Group, x: FloatArray) -> float:
+    """Length of unknowns that are forces, each in the unit of its contact."""
+    total, S = 0.0, group.p.shape[1]
+    for k in range(group.n):
+        for e in range(S):
+            force = x[S * k + e] / group.unit[k]
+            total += force * force
+    return math.sqrt(total)
+
+
+@kernel
+def defect_of_forces(
+    op: Operator, group: Group, x: FloatArray, change: FloatArray, rest: FloatArray, like: Vector
+) -> float:  # fmt: skip
+    """F = x - change of unknowns that are forces."""
+    S = len(like)
+    for k in range(group.n):
+        for e in range(S):
+            rest[S * k + e] = x[S * k + e] - change[k, e]
+    return math.sqrt(max(product(op, group, rest, rest, like), 0.0))
+
+
+@kernel
+def norm_of_velocities(op: Operator, group: Group, x: FloatArray) -> float:
+    """Length of unknowns that are velocities, in which the matrix of the step is the identity."""
+    total = 0.0
+    for i in range(unknowns(op, group)):
+        total += x[i] * x[i]
+    return math.sqrt(total)

@@ -7,8 +7,6 @@ Its factors are sparse and made in Python, :mod:`lcpflex.solvers.contact.user_se
 
 from __future__ import annotations
 
-import math
-
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.solvers.contact import operators
 from lcpflex.solvers.contact.algebra import Vector
@@ -58,15 +56,15 @@ def product(op: Blocks, group: Group, a: FloatArray, b: FloatArray, like: Vector
     return total
 
 
-@operators.defect.of(Blocks)
-@kernel
-def defect(op: Blocks, group: Group, x: FloatArray, change: FloatArray, rest: FloatArray, like: Vector) -> float:
-    """F = x - change."""
-    S = len(like)
-    for k in range(group.n):
-        for e in range(S):
-            rest[S * k + e] = x[S * k + e] - change[k, e]
-    return math.sqrt(max(product(op, group, rest, rest, like), 0.0))
+operators.norm.of(Blocks)(operators.norm_of_forces)
+operators.defect.of(Blocks)(operators.defect_of_forces)
+
+
+@operators.moves_centre.of(Blocks)
+@kernel(inline=True)
+def moves_centre(op: Blocks) -> bool:
+    """Factors of scipy are for a centre that stays."""
+    return False
 
 
 @operators.prepare.of(Blocks)

@@ -27,6 +27,13 @@ def unknowns(op: Bodies, group: Group) -> int:
     return op.n_unknowns
 
 
+@operators.moves_centre.of(Bodies)
+@kernel(inline=True)
+def moves_centre(op: Bodies) -> bool:
+    """Its unknowns are velocities."""
+    return False
+
+
 @operators.add_effect.of(Bodies)
 @kernel
 def add_effect(op: Bodies, group: Group, x: FloatArray, base: FloatArray, y: FloatArray, like: Vector) -> None:
@@ -50,6 +57,9 @@ def product(op: Bodies, group: Group, a: FloatArray, b: FloatArray, like: Vector
     return total
 
 
+operators.norm.of(Bodies)(operators.norm_of_velocities)
+
+
 @operators.defect.of(Bodies)
 @kernel
 def defect(op: Bodies, group: Group, x: FloatArray, change: FloatArray, rest: FloatArray, like: Vector) -> float:
@@ -70,6 +80,13 @@ def defect(op: Bodies, group: Group, x: FloatArray, change: FloatArray, rest: Fl
 def factorise_bodies(op: Bodies, group: Group, C: FloatArray, like: Vector) -> bool:
     """By fronts, in the pattern of ``op.factor``."""
     return factorise(op, C, op.factor, like)
+
+
+@operators.factorise_moving.of(Bodies)
+@kernel(inline=True)
+def factorise_moving(op: Bodies, group: Group, C: FloatArray, like: Vector) -> bool:
+    """Forces are not the unknowns."""
+    return False
 
 
 @operators.solve.of(Bodies)

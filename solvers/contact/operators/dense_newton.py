@@ -5,8 +5,6 @@
 
 from __future__ import annotations
 
-import math
-
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.solvers.contact import operators
 from lcpflex.solvers.contact.algebra import Vector
@@ -16,6 +14,7 @@ from lcpflex.solvers.dense_factor import factorise_rows, solve_rows
 
 __all__: list[str] = []
 
+REGULAR = 1e-8  # of the largest own diagonal: by less, null vectors of dependent contacts are mostly rounding
 LAW_WORK = 900.0  # measured: multiplications of a factor that take as long as the law of a unit in space
 
 
@@ -39,6 +38,13 @@ def apply(op: Dense, group: Group, x: FloatArray, like: Vector) -> None:
 def unknowns(op: Dense, group: Group) -> int:
     """All components of all forces."""
     return int(group.n * group.p.shape[1])
+
+
+@operators.moves_centre.of(Dense)
+@kernel(inline=True)
+def moves_centre(op: Dense) -> bool:
+    """It has."""
+    return True
 
 
 @operators.add_effect.of(Dense)
@@ -70,35 +76,48 @@ def product(op: Dense, group: Group, a: FloatArray, b: FloatArray, like: Vector)
     return total
 
 
-@operators.defect.of(Dense)
-@kernel
-def defect(op: Dense, group: Group, x: FloatArray, change: FloatArray, rest: FloatArray, like: Vector) -> float:
-    """F = x - change."""
-    S = len(like)
-    for k in range(group.n):
-        for e in range(S):
-            rest[S * k + e] = x[S * k + e] - change[k, e]
-    return math.sqrt(max(product(op, group, rest, rest, like), 0.0))
+operators.norm.of(Dense)(operators.norm_of_forces)
+operators.defect.of(Dense)(operators.defect_of_forces)
 
 
-@operators.factorise.of(Dense)
 @kernel
-def factorise(op: Dense, group: Group, C: FloatArray, like: Vector) -> bool:
-    """LU of I + C W."""
+def fill_table(op: Dense, group: Group, C: FloatArray, shift: float, moving: bool, like: Vector) -> None:
+    """``table`` = I + C (W + shift), less C / rho where the centre is ``moving``; shift in units of the contacts."""
     S, table = len(like), op.table
     for c in range(group.n):
         for g in range(S):
             column, s = S * c + g, op.row[c, g]
             for k in range(group.n):
                 for e in range(S):
-                    total = 1.0 if c == k and g == e else 0.0
+                    total = 0.0
                     if s >= 0:
                         for f in range(S):
                             r = op.row[k, f]
                             if r >= 0:
                                 total += C[k, S * e + f] * op.columns[s, r]
                     table[S * k + e, column] = total
-    return factorise_rows(table, S * group.n, op.pivots)
+    for k in range(group.n):
+        square = group.unit[k] * group.unit[k]
+        for e in range(S):
+            table[S * k + e, S * k + e] += 1.0
+            for g in range(S):
+                table[S * k + e, S * k + g] += C[k, S * e + g] / square * (shift - (1.0 if moving else 0.0))
+
+
+@operators.factorise.of(Dense)
+@kernel
+def factorise(op: Dense, group: Group, C: FloatArray, like: Vector) -> bool:
+    """LU of I + C W."""
+    fill_table(op, group, C, 0.0, False, like)
+    return factorise_rows(op.table, len(like) * group.n, op.pivots)
+
+
+@operators.factorise_moving.of(Dense)
+@kernel
+def factorise_moving(op: Dense, group: Group, C: FloatArray, like: Vector) -> bool:
+    """LU of I - C / rho + C (W + a little)."""
+    fill_table(op, group, C, REGULAR, True, like)
+    return factorise_rows(op.table, len(like) * group.n, op.pivots)
 
 
 @operators.solve.of(Dense)

@@ -56,6 +56,16 @@ def defect(op: Factor, group: Group, x: FloatArray, change: FloatArray, rest: Fl
     return math.sqrt(product(op, group, rest, rest, like))
 
 
+operators.norm.of(Factor)(operators.norm_of_velocities)
+
+
+@operators.moves_centre.of(Factor)
+@kernel(inline=True)
+def moves_centre(op: Factor) -> bool:
+    """Factors of scipy are for a centre that stays."""
+    return False
+
+
 @operators.prepare.of(Factor)
 @kernel(inline=True)
 def prepare(op: Factor, group: Group) -> bool:

@@ -9,6 +9,7 @@ import pytest
 
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import allocate
+from lcpflex.solvers.contact.alart_curnier import alart_curnier
 from lcpflex.solvers.contact.best import Best
 from lcpflex.solvers.contact.judging import Judged, measure_loads
 from lcpflex.solvers.contact.laws import BILATERAL, COULOMB, HALF_LINE
@@ -18,6 +19,8 @@ from lcpflex.solvers.contact.operators import (
     defect,
     dense_newton,  # noqa: F401
     factorise,
+    factorise_moving,
+    moves_centre,
     prepare,
     solve,
     unknowns,
@@ -123,3 +126,20 @@ def test_the_table_is_read_until_something_solves() -> None:
         assert find(*posed.search, search, attempts, posed.like)
         assert route_names(search, attempts).endswith("best point of all")
         assert posed.best.worst <= max(worst, posed.problem.miss(np.zeros((8, rows))))
+
+
+@pytest.mark.parametrize("rows", [2, 3])
+@pytest.mark.parametrize("laws", LAWS, ids=str)
+def test_alart_curnier_comes_to_rounding(rows: int, laws: tuple[int, ...]) -> None:
+    """From forces that are nearly right; velocities of bodies are no unknowns for it."""
+    for seed in range(4):
+        posed = Posed(Problem(rows, 9, seed, laws), "dense")
+        assert proximal_newton(*posed.search, 1e-2, 200, posed.like)
+        p = posed.group.p
+        p[:] = posed.best.p * (1.0 + 1e-5 * np.random.default_rng(seed).normal(size=p.shape))
+        posed.best.worst = 1e300
+        assert alart_curnier(*posed.search, 40, posed.like)
+        assert posed.problem.miss(posed.best.p) <= 1e-13 * max(1.0, np.abs(posed.best.p).max())
+    bodies = Posed(Problem(rows, 9, 0, laws), "bodies")
+    assert not moves_centre(bodies.op)
+    assert not factorise_moving(bodies.op, bodies.group, bodies.work.C, bodies.like)
