@@ -17,11 +17,11 @@ from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.solvers.contact.alart_curnier import alart_curnier
 from lcpflex.solvers.contact.algebra import Vector
 from lcpflex.solvers.contact.best import NOTHING, Best, copy_forces, forget_best, keep_best
-from lcpflex.solvers.contact.block_iteration import sweep
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.judging import Judged, is_enough, is_exact, is_good, judge, term_size, weigh
 from lcpflex.solvers.contact.operators import Operator, factor_work, moves_centre, prepare, sweep_work
 from lcpflex.solvers.contact.proximal_newton import LEAST_EPS, NewtonWork, convex_start, proximal_newton
+from lcpflex.solvers.contact.sweeping import Sweeping, sweep_on
 from lcpflex.solvers.contact.tracing import trace
 
 __all__ = [
@@ -153,6 +153,7 @@ class Search:
     sweeps: int
     allowed: int  # factors that the limits come to
     route: int  # place in the table of what solved the problem; AT_ONCE, NONE
+    sweeping: Sweeping  # how sweeps look, until they are exact
     tried: IntArray = array("attempts")  # 1: attempts made
 
 
@@ -171,7 +172,8 @@ def attempts_for(rows: int, table: tuple[Attempt, ...] = MANY_CONTACTS) -> Attem
 
 def search_for(attempts: Attempts, operations: float = np.inf) -> Search:
     """The limits of a search by a table; operations: multiplications that all its factors may take."""
-    search: Search = allocate(Search, {"attempts": int(attempts.n)})
+    sweeping = allocate(Sweeping, {}, look=LOOK, crawling=CRAWLING, exact=1)
+    search: Search = allocate(Search, {"attempts": int(attempts.n)}, sweeping=sweeping)
     search.factor_limit, search.sweep_limit, search.operation_limit = FACTORS, SWEEPS_LIMIT, operations
     return search
 
@@ -186,23 +188,16 @@ def route_names(search: Search, attempts: Attempts) -> str:
 
 
 @kernel
-def sweep_and_look(
+def sweep_from_best(
     op: Operator, group: Group, judged: Judged, best: Best, search: Search, count: int, patient: bool, like: Vector
 ) -> bool:
     """``count`` sweeps from p, fewer where they crawl and one is not ``patient``; whether ``best`` is exact."""
-    worst, done = judge(op, group, judged, group.p, like), 0
-    while done < count and search.sweeps < search.sweep_limit:
-        sweep(op, group, like, LOOK, -1.0)
-        done += LOOK
-        search.sweeps += LOOK
-        before = worst
-        worst = judge(op, group, judged, group.p, like)
-        keep_best(group, best, group.p, worst, like)
-        if is_exact(judged, best.worst):
-            return True
-        if worst > CRAWLING * before and not patient:
-            break
-    return False
+    sweeping = search.sweeping
+    sweeping.iterations = 0
+    judge(op, group, judged, group.p, like)
+    found = sweep_on(op, group, judged, sweeping, best, like, min(count, search.sweep_limit - search.sweeps), patient)
+    search.sweeps += sweeping.iterations
+    return found
 
 
 @kernel
@@ -269,7 +264,7 @@ def try_one(
             share = most if count == 0 else min(most, count)
             count = int(min(share * (factor_work(op, group) / sweep_work(op, group) + BESIDES), 1e6))
             search.allowed -= share
-        return sweep_and_look(op, group, judged, best, search, count, attempts.patient[a] == 1, like)
+        return sweep_from_best(op, group, judged, best, search, count, attempts.patient[a] == 1, like)
     if method == NEWTON:
         if attempts.share[a] > 0.0:
             count = int(attempts.share[a] * search.allowed)

@@ -27,7 +27,7 @@ from lcpflex.solvers.contact.operators import (
 )
 from lcpflex.solvers.contact.operators.sparse_factor import widen
 from lcpflex.solvers.contact.proximal_newton import LEAST_EPS, NewtonWork, answers_at, linearise, proximal_newton
-from lcpflex.solvers.contact.strategy import Attempt, Search, attempts_for, find, route_names
+from lcpflex.solvers.contact.strategy import Attempt, attempts_for, find, route_names, search_for
 from tests.unit.solvers.test_block_iteration import LIKE, Problem
 
 LAWS = [(COULOMB,), (COULOMB, HALF_LINE), (BILATERAL, COULOMB)]
@@ -114,8 +114,7 @@ def test_the_table_is_read_until_something_solves() -> None:
         posed = Posed(Problem(rows, 8, 3), "dense")
         attempts = attempts_for(rows, table)
         assert attempts.n == (3 if rows == 2 else 2)
-        search = allocate(Search, {"attempts": int(attempts.n)})
-        search.factor_limit, search.sweep_limit, search.operation_limit = 600, 1000, 1e12
+        search = search_for(attempts)
         assert find(*posed.search, search, attempts, posed.like)
         assert posed.problem.miss(posed.best.p) <= 1e-10 * posed.judged.load
         assert route_names(search, attempts) in ("sweeps", "sweeps > Newton")
