@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +13,7 @@ from lcpflex.solvers.contact.problem import aligned
 from lcpflex.solvers.problem import Solution, restored
 from lcpflex.solvers.refusals import has_cones
 
-__all__ = ["forces_at", "own_units", "start_of"]
+__all__ = ["forces_at", "own_units", "start_of", "started"]
 
 FAR = 1e3  # residual of a guess from which to start would only be to carry its rounding along
 
@@ -38,3 +38,15 @@ def forces_at(problem: Any, z: FloatArray) -> FloatArray:
 def own_units(problem: Any, found: Solution, tolerance: float) -> Solution:
     """The solution of ``problem.balanced()`` as one of the problem."""
     return replace(restored(problem, found, problem.unknown_units, tolerance), keys=problem.unknown_keys)
+
+
+def started(guess: Solution | None, keys: tuple[Hashable, ...]) -> FloatArray | None:
+    """The point of a guess for unknowns of these names, those that are new from 0; None if nothing is finite."""
+    if guess is None or guess.keys is None:
+        found = None if guess is None or guess.z.shape != (len(keys),) else guess.z
+    elif guess.keys == keys:
+        found = guess.z
+    else:
+        place = {key: i for i, key in enumerate(guess.keys)}
+        found = np.array([guess.z[place[key]] if key in place else 0.0 for key in keys])
+    return None if found is None or found.shape != (len(keys),) or not np.isfinite(found).all() else found

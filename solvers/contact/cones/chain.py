@@ -1,8 +1,9 @@
 """Contact in space by all that is known for it, one after the other: what :class:`lcpflex.solvers.Auto` does with it.
 
 Sweeps contact by contact, from the forces of the last problem; where a few of them do not do, the independent parts one
-by one, each by Newton's method with more sweeps and proximal points, by convex programs, and from the forces of a
-faceted cone. Each answer is judged; the best point is kept, and the route tells who gave it and who failed before.
+by one, each by the attempts of :class:`AlartCurnier`, by convex programs, and by these attempts again from where the
+programs end. Each answer is judged; the best point is kept, and the route tells who gave it and who failed before.
+Faceted cones are rivals for :func:`lcpflex.solvers.cross_check` alone: of 26,000 problems none needed their start.
 """
 
 from __future__ import annotations
@@ -15,13 +16,13 @@ import numpy as np
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.clock import expired, out_of_time
 from lcpflex.solvers.contact.block_gauss_seidel import BlockGaussSeidel
-from lcpflex.solvers.contact.cones.facets import FacetedCone
-from lcpflex.solvers.contact.cones.fixed_point import ConicFixedPoint, started
+from lcpflex.solvers.contact.cones.fixed_point import ConicFixedPoint
 from lcpflex.solvers.contact.cones.parts import part_of, solved_by_parts
 from lcpflex.solvers.contact.cones.several import contact_solutions
 from lcpflex.solvers.contact.cones.solver import AlartCurnier
 from lcpflex.solvers.contact.matrices import as_dense
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
+from lcpflex.solvers.contact.starts import started
 from lcpflex.solvers.guard import ENDED, guarded, joined
 from lcpflex.solvers.problem import Solution, Status, accept
 
@@ -29,7 +30,7 @@ __all__ = ["solved_in_cones"]
 
 FEW = 100  # sweeps over the whole, and over each part
 CONVEX = 1200  # force components up to which convex programs are tried
-FACETED = 90  # force components up to which the faceted cone is
+NEWTON = "Alart-Curnier Newton"
 DEFINITE = 1e-10  # of the largest: a block with less in some direction is not taken for definite
 LOOKED = 20  # contacts up to which those that nothing else acts on are asked for several solutions
 
@@ -109,21 +110,12 @@ def _descended(problem: SpatialContactProblem, first: Solution, tolerance: float
 def _steps(problem: SpatialContactProblem, tolerance: float) -> list[Step]:
     """What can be tried, in order."""
     newton = AlartCurnier(tolerance)
-    steps: list[Step] = [("Alart-Curnier Newton", lambda best: newton.solve(problem, best))]
+    steps: list[Step] = [(NEWTON, lambda best: newton.solve(problem, best))]
     if problem.size <= CONVEX:
         programs = ConicFixedPoint(tolerance)
         steps.append(("conic fixed point", lambda best: programs.solve(problem, best)))
-        steps.append(("Alart-Curnier Newton", lambda best: newton.solve(problem, best)))
-    if problem.size <= FACETED:
-        steps.append(("facets", lambda _: _from_facets(problem, newton)))
+        steps.append((NEWTON, lambda best: newton.solve(problem, best)))
     return steps
-
-
-def _from_facets(problem: SpatialContactProblem, newton: AlartCurnier) -> Solution:
-    """Newton's method from the forces of a faceted cone."""
-    faceted = FacetedCone().solve(problem)
-    found = newton.solve(problem, faceted)
-    return replace(found, route=f"{found.route} from a faceted cone")
 
 
 def _told_apart(problem: SpatialContactProblem, found: Solution, tolerance: float) -> Solution:

@@ -8,7 +8,6 @@ convex optimization).
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -21,12 +20,13 @@ from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.contact.clarabel import SUCCESS
 from lcpflex.solvers.contact.cones.conic import ConicProgram
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
+from lcpflex.solvers.contact.starts import started
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, restored
 from lcpflex.solvers.refusals import only_cones
 
-__all__ = ["ConicFixedPoint", "started"]
+__all__ = ["ConicFixedPoint"]
 
 ROUTE = "conic fixed point"
 NEAR = 1e-2  # residual from which a program is near enough to the last one for Newton steps alone
@@ -125,15 +125,3 @@ def _slip(problem: SpatialContactProblem, forces: FloatArray) -> FloatArray:
     """|u_T| (k,) of each contact."""
     u = problem.velocity(forces)
     return np.hypot(u[1::3], u[2::3])
-
-
-def started(guess: Solution | None, keys: tuple[Hashable, ...]) -> FloatArray | None:
-    """The point of a guess for unknowns of these names, those that are new from 0; None if nothing is finite."""
-    if guess is None or guess.keys is None:
-        found = None if guess is None or guess.z.shape != (len(keys),) else guess.z
-    elif guess.keys == keys:
-        found = guess.z
-    else:
-        place = {key: i for i, key in enumerate(guess.keys)}
-        found = np.array([guess.z[place[key]] if key in place else 0.0 for key in keys])
-    return None if found is None or found.shape != (len(keys),) or not np.isfinite(found).all() else found
