@@ -67,6 +67,15 @@ def direction(op: Operator, group: Group, work: NewtonWork, p: FloatArray, like:
 
 
 @kernel
+def move(group: Group, p: FloatArray, share: float, step: FloatArray, trial: FloatArray, like: Vector) -> None:
+    """Forces trial = p + share step."""
+    S = len(like)
+    for k in range(group.n):
+        for e in range(S):
+            trial[k, e] = p[k, e] + share * step[S * k + e]
+
+
+@kernel
 def alart_curnier(
     op: Operator, group: Group, judged: Judged, best: Best, work: NewtonWork, count: int, like: Vector
 ) -> bool:
@@ -74,7 +83,7 @@ def alart_curnier(
 
     It goes on to rounding, which costs one or two of them.
     """
-    p, trial, S = group.p, work.trial, len(like)
+    p, trial = group.p, work.trial
     value, goal, limit = miss_of(op, group, judged, best, work, p, like), STILL * judged.load, work.factors + count
     first, second, third, fourth = value, 0.0, 0.0, 0.0
     while value > goal and work.factors < limit:
@@ -82,9 +91,7 @@ def alart_curnier(
             break
         allowed, share, beaten = max(max(first, second), max(third, fourth)), 1.0, False
         for _ in range(HALVINGS):
-            for k in range(group.n):
-                for e in range(S):
-                    trial[k, e] = p[k, e] + share * work.step[S * k + e]
+            move(group, p, share, work.step, trial, like)
             now = miss_of(op, group, judged, best, work, trial, like)
             if now <= allowed * (1.0 - DESCENT * share):
                 beaten = True

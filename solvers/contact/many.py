@@ -20,7 +20,6 @@ from lcpflex.solvers.contact.active_set import REGULAR, TINY, on_active_set, sta
 from lcpflex.solvers.contact.looks import SWEPT, Pace, by_looks
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.contact.starts import forces_at, start_of
-from lcpflex.solvers.contact.strategy import attempts_for
 from lcpflex.solvers.contact.system import ContactSystem
 from lcpflex.solvers.contact.user_search import UserSearch
 from lcpflex.solvers.guard import ENDED, FAILED, words_of
@@ -162,7 +161,7 @@ class Search:
 
     def newton(self) -> str:
         """The attempts of the table, from the best point: runs of Newton's method, sweeps in between, and paths."""
-        search = UserSearch(self.system, attempts_for(2), self.tolerance)
+        search = UserSearch(self.system, self.tolerance)
         try:
             search.run(self.best, self.budget - self.factors, SWEEPS, self._is_good)
         finally:

@@ -27,12 +27,12 @@ from lcpflex.solvers.contact.operators.dense import Dense
 from lcpflex.solvers.contact.operators.factor import Factor
 from lcpflex.solvers.refusals import has_cones
 
-__all__ = ["MOST_DENSE", "ContactSystem", "Storage", "storage_of"]
+__all__ = ["FEW", "MOST_DENSE", "SIZES", "ContactSystem", "Storage", "storage_of"]
 
 # Contacts, by their numbers of rows, up to which a matrix is taken as it is: in the plane what elimination finishes, in
 # space what Newton's method solves in compiled code.
 MOST_DENSE = {2: 300, 3: 64}
-FEW = 32  # contacts up to which memory is kept: beyond, what it takes to lay it out is little
+FEW, SIZES = 64, 16  # contacts up to which memory is kept, beyond it takes little to lay it out; and how many sizes
 AT_ONCE = 50_000  # contacts solved in one call of a kernel: some ms, in which nobody listens to Ctrl-C
 
 
@@ -174,6 +174,8 @@ class ContactSystem:
     def release(self) -> None:
         """Leave the memory of a few contacts to the next problem: this one is solved."""
         if isinstance(self.op, Dense) and self.group.n <= FEW:
+            if len(_kept.systems) >= SIZES:
+                _kept.systems.clear()
             sizes = self.group.n, self.op.m, len(self.like)
             _kept.systems[sizes] = self.group, self.row, self._place, self.op
 

@@ -8,7 +8,9 @@ With C = -dp/dv = U V of the units in their states, of which open ones and those
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -17,9 +19,9 @@ from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray, interpreted, kernel
 from lcpflex.jit.struct import allocate, put_array
 from lcpflex.solvers.clock import out_of_time
-from lcpflex.solvers.contact import proximal_newton as newton, strategy, tracing
+from lcpflex.solvers.contact import alart_curnier, proximal_newton as newton, strategy, tracing
 from lcpflex.solvers.contact.algebra import PLANAR, Vector
-from lcpflex.solvers.contact.best import Best
+from lcpflex.solvers.contact.best import Best, copy_forces, forget_best
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.judging import Judged, measure_loads
 from lcpflex.solvers.contact.operators import (
@@ -32,7 +34,8 @@ from lcpflex.solvers.contact.operators import (
 )
 from lcpflex.solvers.contact.operators.blocks import Blocks
 from lcpflex.solvers.contact.operators.dense import Dense
-from lcpflex.solvers.contact.system import ContactSystem
+from lcpflex.solvers.contact.operators.dense_newton import REGULAR
+from lcpflex.solvers.contact.system import FEW, SIZES, ContactSystem
 
 __all__ = ["UserSearch", "split_ranks"]
 
@@ -99,8 +102,8 @@ class _SparseFactors:
             spread = libs.sparse.csr_array((np.ones(len(places[0])), places), shape=(size, J.shape[0]))
             self.matrix = spread @ J
 
-    def factorise(self, op: Operator, group: Group, C: FloatArray, like: Vector) -> bool:
-        """As :func:`lcpflex.solvers.contact.operators.factorise`."""
+    def factorise(self, op: Operator, group: Group, C: FloatArray, like: Vector, shift: float = 0.0) -> bool:
+        """As :func:`lcpflex.solvers.contact.operators.factorise`; shift: added to the diagonal of W."""
         if out_of_time():
             raise _OutOfTime
         S, size = self.rows, self.n * self.rows
@@ -113,7 +116,7 @@ class _SparseFactors:
         V = libs.sparse.csr_array((self.right[:count].ravel(), (pairs, places)), shape=(count, size))
         try:
             if isinstance(op, Blocks):
-                self.step = _through(V @ self.matrix, U)
+                self.step = _through(V @ self.matrix + shift * V, U)
             else:
                 J = self.matrix
                 self.step = _factorised(libs.sparse.eye_array(J.shape[1]) + (J.T @ U) @ (V @ J))
@@ -131,6 +134,18 @@ class _SparseFactors:
         work.step[:n] = -work.rest[:n]
         self.solve(op, group, work.step)
         return product(op, group, work.rest, work.step, like) if work.convex == 1 else 0.0
+
+    def moving_direction(
+        self, op: Operator, group: Group, work: newton.NewtonWork, p: FloatArray, like: Vector
+    ) -> bool:
+        """As :func:`.alart_curnier.direction`, of contacts in their units: I - C + C (W + a little)."""
+        copy_forces(group, p, work.centre, like)
+        newton.linearise(group, work, 1.0, like)
+        work.factors += 1
+        if not self.factorise(op, group, work.C, like, REGULAR - 1.0):
+            return False
+        self.direction(op, group, work, unknowns(op, group), like)
+        return bool(np.isfinite(work.step).all())
 
 
 def _through(VW: Any, U: Any) -> Step:
@@ -157,23 +172,30 @@ class UserSearch:
         How many there were so far.
     """
 
-    def __init__(self, system: ContactSystem, attempts: strategy.Attempts, tolerance: float) -> None:
-        self.system, self.attempts, self.tolerance = system, attempts, tolerance
+    def __init__(self, system: ContactSystem, tolerance: float, attempts: strategy.Attempts | None = None) -> None:
+        """attempts: of the table; those of steppers by default."""
+        self.attempts = _attempts(len(system.like)) if attempts is None else attempts
+        self.system, self.tolerance = system, tolerance
         self.factors = self.sweeps = 0
         op, group, rows = system.op, system.group, len(system.like)
         self.find: Any = strategy.find
+        self.method: Any = alart_curnier.alart_curnier
         if isinstance(op, Dense):
             _make_room(op, group.n * rows)
         else:
-            self.find = _interpreted(system)
-        sizes = {"units": group.n, "rows": rows, "block": rows * rows, "unknowns": unknowns(op, group)}
-        self.judged, self.best, self.work = (
-            allocate(Judged, {}),
-            allocate(Best, sizes),
-            allocate(newton.NewtonWork, sizes),
-        )
+            self.find, self.method = _interpreted(system)
+        kept = _kept.memory.pop((group.n, rows), None) if isinstance(op, Dense) else None
+        self.judged, self.best, self.work = _laid_out(op, group, rows) if kept is None else kept
         measure_loads(group, self.judged)
-        self.search = strategy.search_for(attempts)
+        self.search = strategy.search_for(self.attempts)
+
+    def release(self) -> None:
+        """Leave the memory of a few contacts to the next problem: this one is solved."""
+        if isinstance(self.system.op, Dense) and self.system.group.n <= FEW:
+            if len(_kept.memory) >= SIZES:
+                _kept.memory.clear()
+            sizes = self.system.group.n, len(self.system.like)
+            _kept.memory[sizes] = self.judged, self.best, self.work
 
     @property
     def route(self) -> str:
@@ -186,11 +208,30 @@ class UserSearch:
         keep: takes the best forces (m,), whatever ends the search, and says whether they are good enough, as the
         certificate has it: contact by contact. Where they are not, but as a whole, the search goes on to rounding.
         """
+        factors, sweeps = self.factors + factors, self.sweeps + sweeps
         for start in (forces, np.zeros(len(forces))) if forces.any() else (forces,):
             if self._is_found(start, factors, sweeps, keep) or self.factors >= factors or out_of_time():
                 break
 
+    def alart_curnier(self, forces: FloatArray, factors: int) -> FloatArray:
+        """Newton's method without a centre from forces (m,), with so many factors at most; the best forces (m,).
+
+        Needs W.
+        """
+        system, work = self.system, self.work
+        system.take(forces)
+        forget_best(system.group, self.best, system.like)
+        work.factors, self.judged.tolerance = 0, MARGIN * self.tolerance
+        try:
+            self.method(system.op, system.group, self.judged, self.best, work, factors, system.like)
+        except _OutOfTime:
+            pass
+        finally:
+            self.factors += work.factors
+        return system.by_rows(self.best.p)
+
     def _is_found(self, forces: FloatArray, factors: int, sweeps: int, keep: Callable[[FloatArray], bool]) -> bool:
+        """Until there were so many factors or sweeps in all."""
         judged, tolerance = self.judged, MARGIN * self.tolerance
         for goal in (tolerance, min(tolerance, strategy.SETTLED)):
             judged.tolerance = goal
@@ -218,18 +259,43 @@ class UserSearch:
             self.sweeps += search.sweeps
 
 
+Memory = tuple[Judged, Best, newton.NewtonWork]
+
+
+class _Kept(threading.local):
+    """Memory of a few contacts, one of each size: to lay it out takes as long as to solve them."""
+
+    def __init__(self) -> None:
+        self.memory: dict[tuple[int, int], Memory] = {}
+
+
+_kept = _Kept()
+
+
+@cache
+def _attempts(rows: int) -> strategy.Attempts:
+    return strategy.attempts_for(rows)
+
+
+def _laid_out(op: Operator, group: Group, rows: int) -> Memory:
+    """Memory of a search: what is judged, the best point, and that of Newton's method."""
+    sizes = {"units": group.n, "rows": rows, "block": rows * rows, "unknowns": unknowns(op, group)}
+    return allocate(Judged, {}), allocate(Best, sizes), allocate(newton.NewtonWork, sizes)
+
+
 def _make_room(op: Dense, size: int) -> None:
     """For factors of dense contacts, in which W is looked at."""
     W = op.columns
     largest = np.abs(W).max(initial=0.0)
     op.symmetric = int(np.abs(W - W.T).max(initial=0.0) <= SYMMETRY * largest)
-    put_array(op, "table", np.zeros((size, size)))
-    put_array(op, "pivots", np.zeros(size, dtype=np.int64))
-    put_array(op, "solution", np.zeros(size))
+    if len(op.table) != size:
+        put_array(op, "table", np.zeros((size, size)))
+        put_array(op, "pivots", np.zeros(size, dtype=np.int64))
+        put_array(op, "solution", np.zeros(size))
 
 
-def _interpreted(system: ContactSystem) -> Any:
-    """The search with the loops of Newton's method in Python, since its factors are."""
+def _interpreted(system: ContactSystem) -> tuple[Any, Any]:
+    """The search and Alart and Curnier's method with their loops in Python, since their factors are."""
     own = _SparseFactors(system)
     inner = interpreted(newton.solve_inner, factorise=own.factorise, direction=own.direction)
     method = interpreted(newton.proximal_newton, solve_inner=inner)
@@ -241,4 +307,6 @@ def _interpreted(system: ContactSystem) -> Any:
     paths = interpreted(strategy.follow_paths, trace=path, proximal_newton=method)
     convex = interpreted(newton.convex_start, solve_inner=inner)
     one = interpreted(strategy.try_one, proximal_newton=method, convex_start=convex, follow_paths=paths)
-    return interpreted(strategy.find, try_one=one)
+    return interpreted(strategy.find, try_one=one), interpreted(
+        alart_curnier.alart_curnier, direction=own.moving_direction
+    )

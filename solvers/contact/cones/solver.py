@@ -6,18 +6,17 @@ Sources: Alart & Curnier 1991; Bonnefon & Daviet 2011; Rockafellar 1976; Acary, 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar
 
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess
 from lcpflex.solvers.clock import grown, out_of_time
-from lcpflex.solvers.contact.cones.runs import ConeRun
 from lcpflex.solvers.contact.looks import SWEPT
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.contact.starts import own_units, start_of
-from lcpflex.solvers.contact.strategy import attempts_for
-from lcpflex.solvers.contact.system import MOST_DENSE
+from lcpflex.solvers.contact.system import MOST_DENSE, ContactSystem, storage_of
 from lcpflex.solvers.contact.user_search import UserSearch
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.limits import keep_settings
@@ -89,6 +88,7 @@ class AlartCurnier:
         def attempt(limit: int) -> _Attempt:
             one = _Attempt(problem, start, self.tolerance, limit)
             one.go()
+            one.release()
             return one
 
         if len(problem.friction) <= MOST_DENSE[3]:  # kernels cannot look at a clock
@@ -107,9 +107,8 @@ class _Attempt:
     """Sweeps and Newton's method by turns, then proximal points; ``best`` is the best point so far."""
 
     def __init__(self, problem: SpatialContactProblem, start: FloatArray, tolerance: float, limit: int) -> None:
-        self.run = ConeRun(problem, start)
         self.problem, self.tolerance, self.limit = problem, tolerance, limit
-        self.best, self.residual = start.copy(), problem.residual(start)
+        self.best, self.residual, self.start = start.copy(), problem.residual(start), start
         self.sweeps = self.steps = 0
         self.route = "guess" if start.any() else "no forces"
 
@@ -126,14 +125,33 @@ class _Attempt:
             self._sweep(sweeps)
             if self._done():
                 return
-            forces = self.run.system.forces
-            self.steps += self.run.newton(forces, min(steps, self.limit - self.steps))
+            swept = self.system.forces
+            forces = self.search.alart_curnier(swept, min(steps, self.limit - self.steps))
+            self.steps = self.search.factors
             self._look(forces, f"{SWEPT}, {NEWTON}")
+            self.system.take(swept)
         if not self._done():
-            search = UserSearch(self.run.system, attempts_for(3), self.tolerance)
-            search.run(self.best, self.limit - self.steps, SWEEPS, self._is_good)
-            self.steps += search.factors
-            self.sweeps += search.sweeps
+            self.search.run(self.best, self.limit - self.steps, SWEEPS, self._is_good)
+            self.steps = self.search.factors
+            self.sweeps += self.search.sweeps
+
+    @cached_property
+    def system(self) -> ContactSystem:
+        """The contacts, and the forces that sweeps have come to."""
+        system = ContactSystem(self.problem, storage_of(self.problem))
+        system.take(self.start)
+        return system
+
+    @cached_property
+    def search(self) -> UserSearch:
+        """Newton's methods on the contacts."""
+        return UserSearch(self.system, self.tolerance)
+
+    def release(self) -> None:
+        """Leave its memory to the next problem."""
+        for kept in ("system", "search"):
+            if kept in vars(self):
+                getattr(self, kept).release()
 
     def _is_good(self, forces: FloatArray) -> bool:
         self._look(forces, f"{SWEPT}, {NEWTON}, {RESCUED}")
@@ -143,9 +161,9 @@ class _Attempt:
         return self.residual <= self.tolerance or self.limited or out_of_time()
 
     def _sweep(self, sweeps: int) -> None:
-        made, _ = self.run.system.sweep(sweeps, CLOSE * self.tolerance)
+        made, _ = self.system.sweep(sweeps, CLOSE * self.tolerance)
         self.sweeps += made
-        self._look(self.run.system.forces, SWEPT)
+        self._look(self.system.forces, SWEPT)
 
     def _look(self, forces: FloatArray, route: str) -> None:
         """Keep the forces if they are better than all before; the route is told as far as it went."""

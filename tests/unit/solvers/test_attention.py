@@ -8,7 +8,6 @@ import pytest
 
 from lcpflex.solvers import Auto, GaussSeidel, Lcp, Lemke, MinMapNewton, PrincipalPivoting
 from lcpflex.solvers.attention import LARGE, Ear, is_called, listening
-from lcpflex.solvers.contact.cones.newton import cone_work, newton, proximal
 from lcpflex.solvers.lcp.active_factor import factorise
 from lcpflex.solvers.lcp.gauss_seidel import projected_gauss_seidel
 from lcpflex.solvers.lcp.lemke import attempt, lemke, lemke_workspace, lexicographic_attempt
@@ -88,14 +87,6 @@ class TestKernels:
         found = projected_gauss_seidel(M, q, N, np.zeros(N), 1.0, 1e-10, 10_000, np.zeros(N), table, basis)
         assert found[0] != SOLVED
         assert found[1] == 0
-
-    def test_cones(self):
-        A = np.random.default_rng(5).standard_normal((12, 12))
-        data = (A @ A.T, -np.ones(12), np.full(4, 0.3), 4)
-        work = cone_work(4)
-        work.pivots[-1] = 1
-        assert newton(*data, 0.0, np.zeros(12), 1e-13, 100, work)[1] == 0
-        assert proximal(*data, np.zeros(12), 1e-10, 100, work)[1] == 0
 
 
 class TestEar:

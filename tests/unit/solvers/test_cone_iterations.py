@@ -1,15 +1,14 @@
-"""The kernels that solve many spatial contacts: sweeps, Newton's method, proximal points; dense and by blocks."""
+"""What solves many spatial contacts: sweeps by matrix, blocks and factor, linear systems, the table of attempts."""
 
 import numpy as np
 import pytest
 import scipy.sparse
 
-from lcpflex.solvers.contact.cones.alart_curnier import contact_miss, mixed_rows
-from lcpflex.solvers.contact.cones.blocks import ConeBlocks, newton_on_blocks
-from lcpflex.solvers.contact.cones.linear import solve_general
-from lcpflex.solvers.contact.cones.newton import cone_work, newton, proximal
+from lcpflex.solvers.contact.cones.blocks import ConeBlocks
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.contact.system import ContactSystem
+from lcpflex.solvers.contact.user_search import UserSearch
+from lcpflex.solvers.dense_factor import factorise_rows, solve_rows
 from tests.cones import heap, tower
 
 
@@ -22,38 +21,20 @@ def swept(problem, storage, sweeps, target=0.0):
 
 @pytest.mark.parametrize("n", [1, 2, 7, 40])
 def test_linear_systems_are_solved(n):
+    """Rows exchanged: a zero where elimination would begin does no harm; what is behind the block stays."""
     rng = np.random.default_rng(n)
     A, b = rng.normal(size=(n + 2, n + 2)), rng.normal(size=n + 2)
     A[0, 0] = 0.0 if n > 1 else 1.0
-    x = b.copy()
-    largest = solve_general(A.copy(), x, n, np.zeros(n, dtype=np.int64))
-    expected = np.linalg.solve(A[:n, :n], b[:n])
-    np.testing.assert_allclose(x[:n], expected, rtol=1e-9, atol=1e-12)
-    np.testing.assert_allclose(largest, np.abs(expected).max(), rtol=1e-9)
+    table, x, pivots = A.copy(), b.copy(), np.zeros(n, dtype=np.int64)
+    assert factorise_rows(table, n, pivots)
+    solve_rows(table, n, pivots, x, np.zeros(n))
+    np.testing.assert_allclose(x[:n], np.linalg.solve(A[:n, :n], b[:n]), rtol=1e-9, atol=1e-12)
     np.testing.assert_array_equal(x[n:], b[n:])
 
 
 def test_singular_systems_are_told():
     A = np.outer([1.0, 2.0, 4.0], [1.0, 0.5, 0.25])
-    assert solve_general(A, np.ones(3), 3, np.zeros(3, dtype=np.int64)) == np.inf
-
-
-def test_the_jacobian_is_that_of_the_function():
-    """Against differences, in all three states: keep + take W of F at r with u = W r + q."""
-    W, step = np.array([[1.0, 0.2, -0.1], [0.2, 0.8, 0.3], [-0.1, 0.3, 0.9]]), 1e-6
-    seen, rng = set(), np.random.default_rng(7)
-    for q in rng.normal(size=(60, 3)):
-        r = np.abs(rng.normal(size=3))
-
-        def miss(r, q=q):
-            return np.array(contact_miss(*r, *(W @ r + q), 0.6, 1.1, 0.7))
-
-        keep, take = np.zeros(9), np.zeros(9)
-        mixed_rows(*r, *(W @ r + q), 0.6, 1.1, 0.7, keep, take)
-        expected = np.column_stack([(miss(r + d) - miss(r - d)) / (2.0 * step) for d in step * np.eye(3)])
-        np.testing.assert_allclose(keep.reshape(3, 3) + take.reshape(3, 3) @ W, expected, atol=1e-8)
-        seen.add((take[0] > 0.0, take[3] != 0.0))
-    assert seen == {(False, False), (True, False), (True, True)}  # open, sticking, sliding
+    assert not factorise_rows(A, 3, np.zeros(3, dtype=np.int64))
 
 
 def test_sweeps_are_the_same_on_matrix_blocks_and_factor():
@@ -104,42 +85,19 @@ def test_slips_of_known_forces_are_taken():
     [lambda: tower(2, tilt=0.4), lambda: tower(5), lambda: heap(30, 12, seed=3)],
     ids=["slides", "falls", "heap"],
 )
-def test_newton_and_proximal_points_dense_and_by_blocks(make):
-    problem = make()
-    alike, n = problem.balanced(), len(problem.friction)
-    W, free, friction, _ = alike._data
-    start = swept(alike, alike.dense(), 10)[0].forces
-    found = []
-    for operator, steps in ((W, newton), (ConeBlocks(W), newton_on_blocks)):
-        work, forces = cone_work(n), start.copy()
-        left, solved = steps(operator, free, friction, n, 0.0, forces, 1e-13, 60, work)
-        assert solved <= 60
-        if left > 1e-10:
-            proximal(W, free, friction, n, forces, 1e-12, 500, work)
-        assert alike.residual(forces) <= 1e-12
-        found.append(forces)
-    far = np.zeros(3 * n)  # from nothing, by proximal points alone
-    residual, _ = proximal(W, free, friction, n, far, 1e-11, 1000, cone_work(n))
-    assert residual <= 1e-11
-    assert alike.residuals(far)[1] <= 1e-11
-    velocities = [alike.velocity(forces) for forces in found]
-    np.testing.assert_allclose(*velocities, atol=1e-8)
+def test_the_table_solves_from_nothing(make):
+    """In a fraction of the factors that it may make."""
+    problem, found = make().balanced(), []
+    search = UserSearch(ContactSystem(problem, problem.dense()), 1e-11)
+    search.run(np.zeros(problem.size), 200, 1000, lambda forces: not found.append(forces))
+    assert problem.residual(found[0]) <= 1e-11
+    assert search.factors <= 100
 
 
-def test_newton_tells_what_it_reached():
-    problem = heap(30, 12, seed=3).balanced()
-    n = len(problem.friction)
-    forces = np.zeros(3 * n)
-    left, solved = newton(*problem._data[:3], n, 0.0, forces, 1e-13, 2, cone_work(n))
-    assert solved == 2
-    assert left > 1e-6
-
-
-def test_proximal_points_are_put_ahead_on_the_line_of_their_drift():
-    """Forty contacts of six bodies with friction 0.9 to 1: each centre at the last point took 412 linear systems."""
-    problem = heap(40, 6, seed=2, friction=(0.9, 1.0)).balanced()
-    forces = np.zeros(120)
-    residual, solved = proximal(*problem._data[:3], 40, forces, 1e-11, 1500, cone_work(40))
-    assert residual <= 1e-11
-    assert problem.residuals(forces)[1] <= 1e-11
-    assert solved <= 340
+def test_many_contacts_of_few_bodies_that_drift_are_solved():
+    """Forty contacts of six bodies with friction 0.9 to 1: proximal points have far to go along a line."""
+    problem, found = heap(40, 6, seed=2, friction=(0.9, 1.0)).balanced(), []
+    search = UserSearch(ContactSystem(problem, problem.dense()), 1e-11)
+    search.run(np.zeros(problem.size), 600, 5000, lambda forces: not found.append(forces))
+    assert problem.residuals(found[0])[1] <= 1e-11
+    assert search.factors <= 340

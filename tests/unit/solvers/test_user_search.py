@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from lcpflex.solvers.contact.cones.blocks import ConeBlocks
 from lcpflex.solvers.contact.strategy import Attempt, attempts_for
 from lcpflex.solvers.contact.system import ContactSystem
 from lcpflex.solvers.contact.user_search import UserSearch, _SparseFactors, split_ranks
+from tests.cones import heap, tower
 
 STORAGES = ("dense", "blocks", "factor")
 SWEEPS, NEWTON = 0, 1
@@ -95,12 +97,51 @@ def test_newton_alone_solves_from_nothing(rows: int, storage: str, eps: float) -
     table = attempts_for(rows, (Attempt(NEWTON, 200, eps=eps),))
     for seed in range(3):
         problem, found = problem_of(rows, seed=seed), []
-        search = UserSearch(system_of(problem, storage), table, 1e-10)
+        search = UserSearch(system_of(problem, storage), 1e-10, table)
         search.run(np.zeros(len(problem.free)), 200, 0, lambda forces, found=found: not found.append(forces))
         assert residual_of(problem, found[0]) <= 1e-10
         assert 0 < search.factors <= 200
         assert search.sweeps == 0
         assert search.route == "Newton"
+
+
+@pytest.mark.parametrize("rows", [2, 3])
+@pytest.mark.parametrize("storage", ["dense", "blocks"])
+def test_alart_curnier_without_a_centre(rows: int, storage: str) -> None:
+    """From what sweeps come to, in a few factors to its goal."""
+    for seed in range(4):
+        problem = problem_of(rows, seed=seed)
+        system = system_of(problem, storage)
+        system.take(np.zeros(len(problem.free)))
+        system.sweep(5, 0.0)
+        start, search = system.forces, UserSearch(system, 1e-10)
+        forces = search.alart_curnier(start, 20)
+        assert residual_of(problem, forces) <= 1e-12
+        assert residual_of(problem, start) > 1e-10
+        assert 0 < search.factors <= 10
+
+
+@pytest.mark.parametrize("make", [lambda: tower(2, tilt=0.4), lambda: heap(30, 12, seed=3)], ids=["slides", "heap"])
+def test_alart_curnier_where_w_has_half_its_rank(make: Callable[[], SpatialContactProblem]) -> None:
+    """Many contacts of few bodies: dense and by blocks the same velocities."""
+    problem, velocities = make().balanced(), []
+    for storage in ("dense", "blocks"):
+        system = system_of(problem, storage)
+        system.take(np.zeros(problem.size))
+        system.sweep(30, 0.0)
+        forces = UserSearch(system, 1e-10).alart_curnier(system.forces, 60)
+        assert problem.residual(forces) <= 1e-12
+        velocities.append(problem.velocity(forces))
+    np.testing.assert_allclose(*velocities, atol=1e-8)
+
+
+def test_alart_curnier_tells_what_it_reached() -> None:
+    """Of two factors where more are needed: the best point, no worse than where it began."""
+    problem = heap(30, 12, seed=3).balanced()
+    search = UserSearch(system_of(problem, "dense"), 1e-10)
+    forces = search.alart_curnier(np.zeros(problem.size), 2)
+    assert search.factors == 2
+    assert 1e-8 < problem.residual(forces) < problem.residual(np.zeros(problem.size))
 
 
 @pytest.mark.parametrize("storage", ["dense", "blocks"])
@@ -111,7 +152,7 @@ def test_unsymmetric_matrices(rows: int, storage: str) -> None:
     W = problem.dense() + 0.02 * np.random.default_rng(3).standard_normal(problem.dense().shape)
     other = type(problem)(W, problem.free, problem.friction).balanced()
     system, found = system_of(other, storage), []
-    search = UserSearch(system, attempts_for(rows), 1e-10)
+    search = UserSearch(system, 1e-10)
     assert system.op.symmetric == 0
     search.run(np.zeros(len(other.free)), 600, 2000, lambda forces: not found.append(forces))
     assert residual_of(other, found[0]) <= 1e-10
@@ -126,7 +167,7 @@ def test_where_the_certificate_asks_for_more_it_goes_on_to_rounding() -> None:
         kept.append(residual_of(problem, forces))
         return False
 
-    UserSearch(system_of(problem, "dense"), attempts_for(3), 1e-6).run(np.zeros(len(problem.free)), 600, 2000, never)
+    UserSearch(system_of(problem, "dense"), 1e-6).run(np.zeros(len(problem.free)), 600, 2000, never)
     assert len(kept) == 2
     assert kept[1] < 1e-3 * kept[0] <= 1e-9
 
@@ -135,7 +176,7 @@ def test_time_that_is_up_ends_it_with_the_best_point() -> None:
     """Which is looked for before each factor."""
     problem, kept = problem_of(2), []
     table = attempts_for(2, (Attempt(SWEEPS, 10, when=0), Attempt(NEWTON, 200, eps=0.1)))
-    search = UserSearch(system_of(problem, "blocks"), table, 1e-14)
+    search = UserSearch(system_of(problem, "blocks"), 1e-14, table)
     with within(1e-9):
         search.run(np.zeros(len(problem.free)), 200, 10, lambda forces: bool(kept.append(forces)))
     assert search.sweeps == 10
