@@ -12,10 +12,9 @@ from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
 from lcpflex.dynamics.delassus import free_velocities
-from lcpflex.dynamics.mechanics import factorise, solve_rows, supply
+from lcpflex.dynamics.mechanics import factorise, fill_joint_rows, solve_rows, supply
 from lcpflex.dynamics.spatial.contact_problem import lay_contacts
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.steppers.island_problems import solve_islands
 from lcpflex.steppers.system import System
@@ -60,52 +59,52 @@ class Laid:
         model, work, n = self.system.model, self.work, len(self.touches)
         supply(model, 0.0, self.q, self.system.u, work)
         factorise(model, self.q, 0.0, 0.0, work)
-        n_joint = len(work.residual)
+        n_joint = len(work.scratch.residual)
         if n_joint:
             u = np.zeros_like(self.system.u)
-            joint_rows(
-                model, 0.0, self.q, u, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias
-            )
+            fill_joint_rows(model, 0.0, self.q, u, work.free.external, work.rows)
         tangent = 0
         for k, touch in enumerate(self.touches):
             n_k = np.asarray(touch.normal, dtype=float) / np.linalg.norm(touch.normal)
             first, second = tangents_of(n_k, self.turn)
-            work.table.key[k] = touch.key if touch.key >= 0 else 17 * k + 3
-            work.table.law[k] = 0
-            work.table.normal[k], work.table.tangent[k] = n_k, first
-            work.table.body[k] = touch.i, touch.j
-            work.mu[k] = touch.friction
+            work.rows.table.key[k] = touch.key if touch.key >= 0 else 17 * k + 3
+            work.rows.table.law[k] = 0
+            work.rows.table.normal[k], work.rows.table.tangent[k] = n_k, first
+            work.rows.table.body[k] = touch.i, touch.j
+            work.rows.mu[k] = touch.friction
             self._row(n_joint + k, touch, n_k)
             if touch.friction > 0.0:
                 for direction in (first, second):
-                    work.tangent[tangent] = k
+                    work.rows.tangent[tangent] = k
                     self._row(n_joint + n + tangent, touch, direction)
                     tangent += 1
-        work.n_joint, work.n_contacts, work.n_tangents = n_joint, n, tangent
-        solve_rows(model, work, 0, n_joint + n + tangent)
+        work.rows.n_joint, work.rows.n_contacts, work.rows.n_tangents = n_joint, n, tangent
+        solve_rows(model, work.rows, 0, n_joint + n + tangent)
 
     def _row(self, r: int, touch: Touch, direction: FloatArray) -> None:
         place, work = self.system.model.bodies.place, self.work
         for side, (b, sign) in enumerate(((touch.i, 1.0), (touch.j, -1.0))):
-            work.row_body[r, side] = b
+            work.rows.body[r, side] = b
             if b >= 0:
                 p = place[b]
                 A = Rotation.from_quat(self.q[p + 3 : p + 7], scalar_first=True).as_matrix()
                 arm = np.asarray(touch.place) - self.q[p : p + 3]
-                work.rows[r, side, :3] = sign * direction
-                work.rows[r, side, 3:6] = sign * A.T @ np.cross(arm, direction)
-                work.rows[r, side, 6:] = 0.0
+                work.rows.J[r, side, :3] = sign * direction
+                work.rows.J[r, side, 3:6] = sign * A.T @ np.cross(arm, direction)
+                work.rows.J[r, side, 6:] = 0.0
 
     @property
     def total(self) -> int:
         """Rows."""
-        return int(self.work.n_joint + self.work.n_contacts + self.work.n_tangents)
+        return int(self.work.rows.n_joint + self.work.rows.n_contacts + self.work.rows.n_tangents)
 
     def lay(self, u: FloatArray) -> None:
         """The problems of the free velocity u."""
         work = self.work
-        work.free_u[:] = u
-        free_velocities(work.rows, work.row_body, work.n_joint, self.total, work.dof, u, work.free, work.terms)
+        work.free.u[:] = u
+        free_velocities(
+            work.rows.J, work.rows.body, work.rows.n_joint, self.total, work.rows.dof, u, work.free.v, work.free.terms
+        )
         lay_contacts(work)
 
     def solve(self, u: FloatArray, warm: bool = False, tolerance: float = 1e-9) -> int:
@@ -118,52 +117,52 @@ class Laid:
         work, nu = self.work, len(self.system.u)
         W, solved = np.zeros((self.total, nu)), np.zeros((self.total, nu))
         for r, i in itertools.product(range(self.total), range(2)):
-            b = work.row_body[r, i]
+            b = work.rows.body[r, i]
             if b >= 0:
-                d = slice(work.dof[b], work.dof[b + 1])
-                W[r, d] += work.rows[r, i, : d.stop - d.start]
-                solved[r, d] += work.solved[r, i, : d.stop - d.start]
+                d = slice(work.rows.dof[b], work.rows.dof[b + 1])
+                W[r, d] += work.rows.J[r, i, : d.stop - d.start]
+                solved[r, d] += work.rows.solved[r, i, : d.stop - d.start]
         return W, solved
 
     def problem(self) -> SpatialContactProblem:
         """All contacts as one problem, its Delassus operator made here, joints condensed by a pseudo-inverse."""
         W, solved = self.matrix()
-        n_joint, G, free = self.work.n_joint, W @ solved.T, self.work.free[: self.total].copy()
+        n_joint, G, free = self.work.rows.n_joint, W @ solved.T, self.work.free.v[: self.total].copy()
         J = slice(0, n_joint)
         if n_joint:
             back = np.linalg.pinv(G[J, J], rcond=1e-10, hermitian=True)
             free = free - G[:, J] @ (back @ free[J])
             G = G - G[:, J] @ back @ G[J]
-        n = self.work.n_contacts
+        n = self.work.rows.n_contacts
         full, load = np.zeros((3 * n, 3 * n)), np.zeros(3 * n)
         at, there = self._places()
         full[np.ix_(at, at)] = G[np.ix_(there, there)]
         load[at] = free[there]
-        return SpatialContactProblem(full, load, self.work.mu[:n].copy())
+        return SpatialContactProblem(full, load, self.work.rows.mu[:n].copy())
 
     def _places(self) -> tuple[list[int], list[int]]:
         """Rows (n, t1, t2) of each contact in turn that there are, and the same in the workspace."""
-        work, n_joint, n = self.work, self.work.n_joint, self.work.n_contacts
+        work, n_joint, n = self.work, self.work.rows.n_joint, self.work.rows.n_contacts
         at, there = [], []
         for k in range(n):
             at.append(3 * k)
             there.append(n_joint + k)
-            if work.tangent_of[k] >= 0:
+            if work.posed.tangent_of[k] >= 0:
                 at += [3 * k + 1, 3 * k + 2]
-                there += [n_joint + n + work.tangent_of[k] + t for t in range(2)]
+                there += [n_joint + n + work.posed.tangent_of[k] + t for t in range(2)]
         return at, there
 
     def forces(self) -> FloatArray:
         """(3 n,) normal and both tangential forces of each contact in turn."""
-        out = np.zeros(3 * self.work.n_contacts)
+        out = np.zeros(3 * self.work.rows.n_contacts)
         at, there = self._places()
-        out[at] = self.work.p[there]
+        out[at] = self.work.impulses.p[there]
         return out
 
     def after(self, u: FloatArray) -> FloatArray:
         """u+ by the contact forces, of a system without joints."""
         _, solved = self.matrix()
-        return np.asarray(u + solved.T @ self.work.p[: self.total])
+        return np.asarray(u + solved.T @ self.work.impulses.p[: self.total])
 
 
 def corners(size: Sequence[float]) -> FloatArray:

@@ -21,7 +21,7 @@ from lcpflex.dynamics.contact_forces import add_contact_forces
 from lcpflex.dynamics.mass_matrix import elastic_matrices, mass_matrix, overbent
 from lcpflex.errors import ModelError, in_range
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
+from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.model.arrays import frozen
 from lcpflex.model.coordinates import SPATIAL_KINDS
 from lcpflex.model.layout import is_spatial
@@ -142,14 +142,14 @@ class _Instant:
         if supply is not None:
             supply(model, self._t, self._q, self._u, work)
         mechanics.forces(model, self._t, self._q, self._u, work)
-        smooth = work.total.copy()
+        smooth = work.free.total.copy()
         compliant = self._compliant()
         self._check_functions()
         stiffness, damping = elastic_matrices(model, self._q)
-        force = work.total - smooth if compliant else np.zeros_like(smooth)
+        force = work.free.total - smooth if compliant else np.zeros_like(smooth)
         return {
             "M": mass_matrix(model, self._q),
-            "h": work.total.copy(),
+            "h": work.free.total.copy(),
             "stiffness": stiffness,
             "damping": damping,
             "compliant": CompliantForces(**self._touching(), force=_checked("compliant.force", force)),
@@ -176,16 +176,16 @@ class _Instant:
     def _touching(self) -> dict[str, Any]:
         """The contacts with a force law that touch."""
         system, contacts = self._system, self._work.compliant
-        n = int(contacts.n_contacts)
+        n = int(contacts.rows.n_contacts)
         slip = np.full(n, np.nan)
-        rubbing = contacts.tangent[: contacts.n_tangents]
+        rubbing = contacts.rows.tangent[: contacts.rows.n_tangents]
         slip[rubbing] = contacts.slip[rubbing]
-        touch = np.flatnonzero(contacts.table.gap[:n] <= 0.0)
-        laws = contacts.table.law[touch].tolist()
+        touch = np.flatnonzero(contacts.rows.table.gap[:n] <= 0.0)
+        laws = contacts.rows.table.law[touch].tolist()
         given = [system.laws[law] for law in laws]
         return {
             "names": tuple(system.name_of(law) for law in laws),
-            "gaps": frozen(contacts.table.gap[touch]),
+            "gaps": frozen(contacts.rows.table.gap[touch]),
             "gap_rates": frozen(contacts.rate[touch]),
             "slip_speeds": frozen(slip[touch]),
             "normal": frozen(contacts.p[touch, 0]),
@@ -199,21 +199,19 @@ class _Instant:
         joints, r = model.joints, self._system.n_joint
         phi = np.zeros(r)
         if r:
-            joint_residual(model, t, self._q, work.external, phi)
-            joint_rows(
-                model, t, self._q, self._u, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias
-            )  # fmt: skip
+            joint_residual(model, t, self._q, work.free.external, phi)
+            mechanics.fill_joint_rows(model, t, self._q, self._u, work.free.external, work.rows)
             self._check_functions()
-        J = self._dense(work.rows[:r], work.row_body[:r])
+        J = self._dense(work.rows.J[:r], work.rows.body[:r])
         rows = np.repeat(np.arange(len(names)), np.diff(joints.row))
         return {
             "joints": tuple(names[k] for k in rows),
             "joint_kinds": tuple(SPATIAL_KINDS[kind] for kind in joints.kind),
             "J": J,
             "joint_gaps": phi,
-            "joint_rates": J @ self._u + work.rate[:r],
-            "phi_t": work.rate[:r].copy(),
-            "gamma": -work.bias[:r],
+            "joint_rates": J @ self._u + work.rows.rate[:r],
+            "phi_t": work.rows.rate[:r].copy(),
+            "gamma": -work.rows.bias[:r],
         }
 
     def contacts(self, margin: float) -> dict[str, Any]:
@@ -249,7 +247,7 @@ class _Instant:
 
     def _planar(self, table: ContactTable, m: int) -> dict[str, Any]:
         """Geometry, rows (m, 2, 2, width) and biases (m, 2) of the first m entries of a table."""
-        rows, w = np.zeros((m, 2, 2, self._work.rows.shape[2])), np.zeros((m, 2))
+        rows, w = np.zeros((m, 2, 2, self._work.rows.J.shape[2])), np.zeros((m, 2))
         places, normals = np.zeros((m, 2)), table.normal[:m].copy()
         for k in range(m):
             contact_rows(self._model, self._q, table, k, rows[k, 0], rows[k, 1:])

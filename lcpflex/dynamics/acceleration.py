@@ -29,9 +29,11 @@ from lcpflex.dynamics.impulse import answer_joints
 from lcpflex.dynamics.islands import forget_islands
 from lcpflex.dynamics.mechanics import (
     contact_biases,
+    count_rows,
     displace,
     factorise,
     fill_contact_rows,
+    fill_joint_rows,
     forces,
     solve_rows,
     solve_vector,
@@ -41,7 +43,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import allocate, array, struct
-from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
+from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.index_sets import (
     SLIDE_BACK,
@@ -118,42 +120,42 @@ def renew_weights(model: Model, q: FloatArray, n: int, table: ContactTable) -> N
 @kernel
 def lay_rows(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work: Workspace, sets: ContactSets) -> None:
     """Rows of joints and of the first n contacts at q, their A^-1 rows and their Delassus operator."""
-    n_joint = len(work.residual)
+    n_joint = len(work.scratch.residual)
     supply(model, t, q, u, work)
     factorise(model, q, 0.0, 0.0, work)
     if n_joint > 0:
-        joint_rows(model, t, q, u, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias)
+        fill_joint_rows(model, t, q, u, work.free.external, work.rows)
     for k in range(n):
-        refresh(model, q, work.table, k)
-    renew_weights(model, q, n, work.table)
-    n_tangent = fill_contact_rows(model, q, n, n_joint, work)
-    solve_rows(model, work, 0, n_joint + n + n_tangent)
-    work.n_joint = n_joint
-    work.n_contacts = n
-    work.n_tangents = n_tangent
+        refresh(model, q, work.rows.table, k)
+    renew_weights(model, q, n, work.rows.table)
+    n_tangent = fill_contact_rows(model, q, n, n_joint, work.rows)
+    solve_rows(model, work.rows, 0, n_joint + n + n_tangent)
+    count_rows(work.rows, n_joint, n, n_tangent)
     for k in range(n):
         sets.tangent_of[k] = -1
     for j in range(n_tangent - 1, -1, -1):  # in space two of each contact, and the first is told
-        sets.tangent_of[work.tangent[j]] = j
+        sets.tangent_of[work.rows.tangent[j]] = j
 
 
 @kernel
 def assemble(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work: Workspace, sets: ContactSets) -> None:
-    """Condensed operator and free accelerations of the first n contacts; ``work.free_u`` = M^-1 h [m/s^2]."""
+    """Condensed operator and free accelerations of the first n contacts; ``work.free.u`` = M^-1 h [m/s^2]."""
     lay_rows(model, t, q, u, n, work, sets)
     forces(model, t, q, u, work)
     add_contact_forces(model, q, u, work)
-    contact_biases(model, q, u, n, work.n_tangents, work.n_joint, work)
+    contact_biases(model, q, u, n, work.rows.n_tangents, work.rows.n_joint, work.rows)
     for i in range(len(u)):
-        work.free_u[i] = work.total[i]
-    solve_vector(model, work, work.free_u)
-    n_joint = work.n_joint
-    total = n_joint + n + work.n_tangents
-    free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.terms)
+        work.free.u[i] = work.free.total[i]
+    solve_vector(model, work, work.free.u)
+    n_joint = work.rows.n_joint
+    total = n_joint + n + work.rows.n_tangents
+    free_velocities(
+        work.rows.J, work.rows.body, n_joint, total, work.rows.dof, work.free.u, work.free.v, work.free.terms
+    )
     for r in range(total):
-        work.free[r] += work.bias[r]
+        work.free.v[r] += work.rows.bias[r]
     for r in range(n_joint, total):
-        work.terms[r - n_joint] += abs(work.bias[r])
+        work.free.terms[r - n_joint] += abs(work.rows.bias[r])
     lay_contacts(work)
 
 
@@ -165,9 +167,9 @@ def reduce_sets(work: Workspace, sets: ContactSets) -> int:
     Sliding friction counts at the level of forces only, sticking not at that of positions.
     """
     sliding, sticking = sets.level == FORCE, sets.level != POSITION
-    problem = work.problem
+    problem = work.posed.problem
     for c in range(problem.n_contacts):
-        sets.here[c] = sets.mode[work.part[c]]
+        sets.here[c] = sets.mode[work.posed.part[c]]
         sets.row_here[c] = -1
     for j in range(problem.n_tangents):
         sets.row_here[problem.tangent[j]] = j
@@ -179,11 +181,11 @@ def reduce_sets(work: Workspace, sets: ContactSets) -> int:
 @kernel
 def pose_sets(work: Workspace, sets: ContactSets) -> int:
     """Let the sets count in the contact problems just laid; returns the size of H."""
-    work.on_sets = 1
+    work.posed.on_sets = 1
     sets.level = FORCE
     n_stick = 0
-    for k in range(work.n_contacts):
-        work.mode[k] = sets.mode[k]
+    for k in range(work.rows.n_contacts):
+        work.posed.mode[k] = sets.mode[k]
         if sets.mode[k] == STICKING:
             n_stick += 1
     return n_stick
@@ -286,70 +288,70 @@ def solve_consistent(sets: Any, m: int) -> int:
 @in_space("lcpflex.dynamics.spatial.acceleration")
 @kernel
 def solve_sets(work: Workspace, sets: ContactSets, level: int) -> None:
-    """Forces or impulses ``work.p`` of all rows with the sets as they are, island by island."""
+    """Forces or impulses ``work.impulses.p`` of all rows with the sets as they are, island by island."""
     sets.level = level
-    for i in range(work.islands.count):
+    for i in range(work.posed.islands.count):
         pose_island(work, i)
         n_stick = reduce_sets(work, sets)
-        solve_consistent(sets, work.problem.n_contacts + n_stick)
+        solve_consistent(sets, work.posed.problem.n_contacts + n_stick)
         spread(work, sets)
-    work.islands.next = work.islands.count
+    work.posed.islands.next = work.posed.islands.count
     answer_joints(work)
 
 
 @kernel
 def spread(work: Workspace, sets: ContactSets) -> None:
     """Forces or impulses p of the contacts of the island posed last from the solution of its reduced system."""
-    problem, part, n_joint = work.problem, work.part, work.n_joint
+    problem, part, n_joint = work.posed.problem, work.posed.part, work.rows.n_joint
     n = problem.n_contacts
     for j in range(problem.n_tangents):
         c = problem.tangent[j]
         sign = sliding_sign(sets.here[c]) if sets.level == FORCE else 0.0
-        work.p[n_joint + part[n + j]] = -sign * problem.friction[c] * sets.solution[c] if sign != 0.0 else 0.0
+        work.impulses.p[n_joint + part[n + j]] = -sign * problem.friction[c] * sets.solution[c] if sign != 0.0 else 0.0
     for c in range(n):
-        work.p[n_joint + part[c]] = sets.solution[c]
+        work.impulses.p[n_joint + part[c]] = sets.solution[c]
     for j in range(sets.n_stick):
-        work.p[n_joint + part[n + sets.row_here[sets.stick[j]]]] = sets.solution[n + j]
+        work.impulses.p[n_joint + part[n + sets.row_here[sets.stick[j]]]] = sets.solution[n + j]
 
 
 @kernel
 def fixed_forces(work: Workspace, sets: ContactSets) -> None:
-    """Constraint forces ``work.p`` with the sets as they are, and the acceleration in ``work.free_u``."""
+    """Constraint forces ``work.impulses.p`` with the sets as they are, and the acceleration in ``work.free.u``."""
     solve_sets(work, sets, FORCE)
-    total = work.n_joint + work.n_contacts + work.n_tangents
-    apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
+    total = work.rows.n_joint + work.rows.n_contacts + work.rows.n_tangents
+    apply_impulses(work.rows.solved, work.rows.body, 0, total, work.impulses.p, work.rows.dof, work.free.u)
 
 
 @kernel
 def room_for(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work: Workspace, sets: ContactSets) -> bool:
     """Whether there is room for the problem of each island of the first n contacts of the table."""
-    if n <= len(work.problem.friction):
+    if n <= len(work.posed.problem.friction):
         return True
     lay_rows(model, t, q, u, n, work, sets)
     lay_contacts(work)
     room = True
-    for i in range(work.islands.count):
+    for i in range(work.posed.islands.count):
         room = fits(work, i) and room
-    forget_islands(work.islands)
+    forget_islands(work.posed.islands)
     return room
 
 
 @kernel
 def position_errors(model: Model, t: float, q: FloatArray, n: int, work: Workspace) -> tuple[float, float]:
-    """Residuals of joints and gaps to ``work.free``, 0 for tangents; the largest of each."""
-    n_joint = len(work.residual)
+    """Residuals of joints and gaps to ``work.free.v``, 0 for tangents; the largest of each."""
+    n_joint = len(work.scratch.residual)
     if n_joint > 0:
-        joint_residual(model, t, q, work.external, work.residual)
+        joint_residual(model, t, q, work.free.external, work.scratch.residual)
     joint_drift = 0.0
     gap_drift = 0.0
     for r in range(n_joint):
-        work.free[r] = work.residual[r]
-        joint_drift = max(joint_drift, abs(work.residual[r]))
+        work.free.v[r] = work.scratch.residual[r]
+        joint_drift = max(joint_drift, abs(work.scratch.residual[r]))
     for k in range(n):
-        work.free[n_joint + k] = work.table.gap[k]
-        gap_drift = max(gap_drift, abs(work.table.gap[k]))
-    for r in range(n_joint + n, n_joint + n + work.n_tangents):
-        work.free[r] = 0.0
+        work.free.v[n_joint + k] = work.rows.table.gap[k]
+        gap_drift = max(gap_drift, abs(work.rows.table.gap[k]))
+    for r in range(n_joint + n, n_joint + n + work.rows.n_tangents):
+        work.free.v[r] = 0.0
     return joint_drift, gap_drift
 
 
@@ -362,7 +364,7 @@ def project(
     With ``velocities``, u then goes onto the velocity constraints of joints, closed gaps and sticking contacts.
     Returns the largest violation of a joint and of a gap that was found [m or rad, m].
     """
-    n_joint = len(work.residual)
+    n_joint = len(work.scratch.residual)
     joint_drift = 0.0
     gap_drift = 0.0
     if n_joint + n == 0:
@@ -373,7 +375,7 @@ def project(
     left = 6 + (1 if velocities else 0)  # corrections: of positions, the last of velocities
     while left > 0:
         lay_rows(model, t, q, u, n, work, sets)
-        total = n_joint + n + work.n_tangents
+        total = n_joint + n + work.rows.n_tangents
         worst = position_errors(model, t, q, n, work)
         if joint_drift + gap_drift == 0.0:
             joint_drift = worst[0]
@@ -385,14 +387,14 @@ def project(
             break
         if left == 1 and velocities:
             for r in range(total):
-                work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, u)
+                work.free.v[r] = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u)
                 if r < n_joint:
-                    work.free[r] += work.rate[r]
+                    work.free.v[r] += work.rows.rate[r]
         lay_contacts(work)
         solve_sets(work, sets, VELOCITY if left == 1 and velocities else POSITION)
         if left == 1 and velocities:
-            apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, u)
+            apply_impulses(work.rows.solved, work.rows.body, 0, total, work.impulses.p, work.rows.dof, u)
         else:
-            displace(model, work, 0, total, work.p, q)
+            displace(model, work.rows, 0, total, work.impulses.p, q)
         left -= 1
     return joint_drift, gap_drift

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.contact.detection import COMPLIANT, ContactTable
+from lcpflex.contact.detection import COMPLIANT
 from lcpflex.contact.table import table_maker
 from lcpflex.dynamics.inertia import Arrow
-from lcpflex.dynamics.joint_factor import JointFactor, JointPattern, joint_factor, no_joints
+from lcpflex.dynamics.joint_factor import JointPattern, joint_factor, no_joints
+from lcpflex.dynamics.rows import Rows, SpatialRows
 from lcpflex.force_laws.history import ContactMemory
 from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -24,24 +25,10 @@ SPARE = 64  # entries of the table beyond those that the nodes are expected to n
 
 @struct
 class CompliantContacts:
-    """Compliant contacts at the state last asked for, their rows and forces, and their history; empty where none is.
+    """Compliant contacts at the state last asked for, their rows and forces, and their history; empty where none is."""
 
-    Rows are those of joints, then of normals, then of tangents where mu > 0, then scratch rows, as in a workspace.
-    """
-
-    table: ContactTable  # of compliant contacts alone
+    rows: Rows  # of compliant contacts alone
     history: ContactMemory
-    dof: IntArray  # this and the factors of the mass matrix are those of the workspace
-    arrow: Arrow
-    dense: FloatArray
-    rows: FloatArray = array("rows", 2, "width")
-    solved: FloatArray = array("rows", 2, "width")  # M^-1 rows
-    row_body: IntArray  # (rows, 2)
-    wrench: FloatArray = array("joints", "reaction")  # of joint rows, as in a workspace; scratch
-    mu: FloatArray = array("contacts")
-    tangent: IntArray = array("tangents")  # the contact that each tangential row belongs to
-    bias: FloatArray = array(2, "joints")  # scratch
-    joints: JointFactor
     rate: FloatArray = array("contacts")  # of the gaps [m/s]
     slip: FloatArray = array("tangents")  # [m/s], of contacts; in space of tangential rows
     inverse: FloatArray = array("contacts")  # G_NN where a contact begins [1/kg]
@@ -56,9 +43,6 @@ class CompliantContacts:
     push: FloatArray = array("ndof")  # scratch
     states: FloatArray = array(0, "states")  # none of friction: a stepper that advances some has them in its own state
     stiffest: float  # 2 / (step that bears stiffness and damping) [1/s]
-    n_contacts: int
-    n_joint: int
-    n_tangents: int
     out_of_range: int  # a law out of its range, or -1
     needed: int  # entries that the table lacked room for, 0 if it had it
     n_before: int  # entries of ``before``
@@ -94,17 +78,22 @@ def compliant_contacts(
     sizes |= {"states": 4 if in_space else 2}
     n_surfaces, corners = surfaces if any(compliant) else (0, 0)
     table: Any = table_maker(in_space)(capacity, n_surfaces, compliant, COMPLIANT, corners=corners)
-    return allocate(
-        SpatialCompliantContacts if in_space else CompliantContacts,
-        sizes | {"laws": len(laws), "ndof": ndof},
-        table=table,
-        history=history,
+    rows = allocate(
+        SpatialRows if in_space else Rows,
+        sizes | {"white": 0},
         dof=dof,
+        table=table,
         arrow=factors,
         dense=dense,
         joints=joints,
-        row_body=np.full((sizes["rows"], 2), -1, dtype=np.int64),
+        body=np.full((sizes["rows"], 2), -1, dtype=np.int64),
         n_joint=n,
+    )
+    return allocate(
+        SpatialCompliantContacts if in_space else CompliantContacts,
+        sizes | {"laws": len(laws), "ndof": ndof},
+        rows=rows,
+        history=history,
         out_of_range=-1,
     )
 

@@ -64,21 +64,21 @@ def contact_compliance(contacts: Contacts, laws: Sequence[LawRow | None]) -> Con
 @kernel
 def law_force(compliance: ContactCompliance, work: Workspace, k: int) -> float:
     """Force of the law of contact k at its present gap [N]."""
-    return pair_force(compliance.history, work.table.law[k], NO_PLACE, -work.table.gap[k], 0.0)[1]
+    return pair_force(compliance.history, work.rows.table.law[k], NO_PLACE, -work.rows.table.gap[k], 0.0)[1]
 
 
 @kernel
 def choose(model: Model, compliance: ContactCompliance, work: Workspace, n: int) -> None:
-    """work.closed[k] <- whether the first n contacts follow a law: of two in a shallow hollow, the deeper one alone."""
+    """closed[k] <- whether the first n contacts follow a law: of two in a shallow hollow, the deeper one alone."""
     if compliance.some[0] == 0:
         return
-    yield_to_deeper(work.table, n)
+    yield_to_deeper(work.rows.table, n)
     for k in range(n):
-        soft = compliance.soft[work.table.law[k]] == 1
-        work.closed[k] = FOLLOWS if soft else HARD
-        if work.table.gap[k] == YIELDED:
-            work.closed[k] = YIELDS if soft else HARD
-            refresh(model, work.middle, work.table, k)
+        soft = compliance.soft[work.rows.table.law[k]] == 1
+        work.scratch.closed[k] = FOLLOWS if soft else HARD
+        if work.rows.table.gap[k] == YIELDED:
+            work.scratch.closed[k] = YIELDS if soft else HARD
+            refresh(model, work.free.middle, work.rows.table, k)
 
 
 @kernel
@@ -91,23 +91,23 @@ def soften(compliance: ContactCompliance, work: Workspace, n: int, total: int) -
         return
     largest = 0.0
     for k in range(n):
-        if work.closed[k] == FOLLOWS:
+        if work.scratch.closed[k] == FOLLOWS:
             largest = max(largest, law_force(compliance, work, k))
     for k in range(n):
-        law = work.table.law[k]
-        if work.closed[k] == FOLLOWS:
+        law = work.rows.table.law[k]
+        if work.scratch.closed[k] == FOLLOWS:
             history = compliance.history
             force = 0.5 * ACCURATE * max(largest, compliance.least[law])
-            depth = max(-work.table.gap[k], indentation_at(history.kinds[law], history.parameters[law], force))
+            depth = max(-work.rows.table.gap[k], indentation_at(history.kinds[law], history.parameters[law], force))
             stiffness = pair_stiffness(history, law, NO_PLACE, depth)
-            work.problem.delassus[k, k] += 1.0 / stiffness
-            work.problem.free[k] += depth - pair_force(history, law, NO_PLACE, depth, 0.0)[1] / stiffness
-        elif work.closed[k] == YIELDS:
+            work.posed.problem.delassus[k, k] += 1.0 / stiffness
+            work.posed.problem.free[k] += depth - pair_force(history, law, NO_PLACE, depth, 0.0)[1] / stiffness
+        elif work.scratch.closed[k] == YIELDS:
             for r in range(total):
                 if r != k:
-                    work.problem.delassus[k, r] = 0.0
-                    work.problem.delassus[r, k] = 0.0
-            work.problem.free[k] = abs(work.table.gap[k])
+                    work.posed.problem.delassus[k, r] = 0.0
+                    work.posed.problem.delassus[r, k] = 0.0
+            work.posed.problem.free[k] = abs(work.rows.table.gap[k])
 
 
 @kernel
@@ -117,17 +117,17 @@ def misfit(compliance: ContactCompliance, unit: FloatArray, work: Workspace) -> 
         return 0.0
     largest = 0.0
     extent = 1.0
-    for i in range(len(work.middle)):
-        extent = max(extent, abs(work.middle[i]))
-    for k in range(work.n_contacts):
-        if work.closed[k] == FOLLOWS:
-            largest = max(largest, work.normal[k], compliance.least[work.table.law[k]])
-    allowed = ACCURATE * largest + work.solver.residual * unit[0]
+    for i in range(len(work.free.middle)):
+        extent = max(extent, abs(work.free.middle[i]))
+    for k in range(work.rows.n_contacts):
+        if work.scratch.closed[k] == FOLLOWS:
+            largest = max(largest, work.impulses.normal[k], compliance.least[work.rows.table.law[k]])
+    allowed = ACCURATE * largest + work.impulses.solver.residual * unit[0]
     worst = 0.0
-    for k in range(work.n_contacts):
-        if work.closed[k] == FOLLOWS:
-            stiffness = pair_stiffness(compliance.history, work.table.law[k], NO_PLACE, -work.table.gap[k])
-            wrong = abs(work.normal[k] - law_force(compliance, work, k))
+    for k in range(work.rows.n_contacts):
+        if work.scratch.closed[k] == FOLLOWS:
+            stiffness = pair_stiffness(compliance.history, work.rows.table.law[k], NO_PLACE, -work.rows.table.gap[k])
+            wrong = abs(work.impulses.normal[k] - law_force(compliance, work, k))
             worst = max(worst, wrong / (allowed + ROUNDING * extent * stiffness))
     return worst
 
@@ -137,10 +137,10 @@ def note_depths(compliance: ContactCompliance, work: Workspace) -> int:
     """Keep the largest indentation of each law; returns the first that has left its range, or -1."""
     history = compliance.history
     if compliance.some[0] != 0:
-        for k in range(work.n_contacts):
-            law = work.table.law[k]
-            if work.closed[k] == FOLLOWS and -work.table.gap[k] > history.worst[law]:
-                history.worst[law] = -work.table.gap[k]
+        for k in range(work.rows.n_contacts):
+            law = work.rows.table.law[k]
+            if work.scratch.closed[k] == FOLLOWS and -work.rows.table.gap[k] > history.worst[law]:
+                history.worst[law] = -work.rows.table.gap[k]
                 if history.worst[law] > history.stop[law]:
                     return law
     return -1
@@ -151,7 +151,7 @@ def compliance_energy(compliance: ContactCompliance, work: Workspace) -> float:
     """Energy that the laws store at the present gaps [J]."""
     total = 0.0
     if compliance.some[0] != 0:
-        for k in range(work.n_contacts):
-            if work.closed[k] == FOLLOWS:
-                total += pair_energy(compliance.history, work.table.law[k], NO_PLACE, -work.table.gap[k])
+        for k in range(work.rows.n_contacts):
+            if work.scratch.closed[k] == FOLLOWS:
+                total += pair_energy(compliance.history, work.rows.table.law[k], NO_PLACE, -work.rows.table.gap[k])
     return total

@@ -100,11 +100,11 @@ def pair_stiffness(history: ContactMemory, law: int, place: int, depth: float) -
 @kernel
 def find_contacts(model: Model, q: FloatArray, margin: float, contacts: CompliantContacts) -> None:
     """Compliant contacts with gap <= margin [m] into their table; none, and ``needed``, where it is too small."""
-    n = detect(model, q, margin, contacts.table)
-    if n > len(contacts.table.key):
+    n = detect(model, q, margin, contacts.rows.table)
+    if n > len(contacts.rows.table.key):
         contacts.needed = n
         n = 0
-    contacts.n_contacts = n
+    contacts.rows.n_contacts = n
 
 
 @in_space("lcpflex.dynamics.spatial.contact_forces")
@@ -115,29 +115,29 @@ def fill_rows(model: Model, q: FloatArray, contacts: CompliantContacts) -> None:
     Friction acts on both bodies at one place, halfway between their surfaces. At the surfaces themselves, which
     penetrate, it would be a couple, and angular momentum would be made of nothing.
     """
-    n = contacts.n_contacts
-    contacts.n_tangents = fill_contact_rows(model, q, n, contacts.n_joint, contacts)
+    n = contacts.rows.n_contacts
+    contacts.rows.n_tangents = fill_contact_rows(model, q, n, contacts.rows.n_joint, contacts.rows)
     if len(model.bodies.mass) == 0:
         return
-    first = contacts.n_joint + n
-    for j in range(contacts.n_tangents):
+    first = contacts.rows.n_joint + n
+    for j in range(contacts.rows.n_tangents):
         for i in range(2):
-            if contacts.row_body[first + j, i] >= 0:
-                contacts.rows[first + j, i, 2] += 0.5 * contacts.table.gap[contacts.tangent[j]]
+            if contacts.rows.body[first + j, i] >= 0:
+                contacts.rows.J[first + j, i, 2] += 0.5 * contacts.rows.table.gap[contacts.rows.tangent[j]]
 
 
 @kernel
 def normal_forces(model: Model, q: FloatArray, u: FloatArray, contacts: CompliantContacts) -> None:
     """Contacts that touch in the state (q, u), their rows, rates and normal forces."""
     find_contacts(model, q, 0.0, contacts)
-    yield_to_deeper(contacts.table, contacts.n_contacts)
+    yield_to_deeper(contacts.rows.table, contacts.rows.n_contacts)
     fill_rows(model, q, contacts)
-    table = contacts.table
+    table = contacts.rows.table
     history = contacts.history
-    for k in range(contacts.n_contacts):
+    for k in range(contacts.rows.n_contacts):
         force = 0.0
         elastic = 0.0
-        rate = row_velocity(contacts.rows, contacts.row_body, contacts.n_joint + k, contacts.dof, u)
+        rate = row_velocity(contacts.rows.J, contacts.rows.body, contacts.rows.n_joint + k, contacts.rows.dof, u)
         depth = -table.gap[k]
         if depth > 0.0:
             force, elastic = pair_force(history, table.law[k], pair_place(model, history, table, k), depth, -rate)
@@ -159,19 +159,19 @@ def friction_forces(
     ``states`` (places, 2): of the friction laws that have some; none: (0, 2). Their time derivatives go to ``rates``.
     """
     history = contacts.history
-    first = contacts.n_joint + contacts.n_contacts
-    for j in range(contacts.n_tangents):
-        k = contacts.tangent[j]
-        law = contacts.table.law[k]
+    first = contacts.rows.n_joint + contacts.rows.n_contacts
+    for j in range(contacts.rows.n_tangents):
+        k = contacts.rows.tangent[j]
+        law = contacts.rows.table.law[k]
         kinds = history.kinds[law]
         p = history.parameters[law]
-        mu = contacts.mu[k]
+        mu = contacts.rows.mu[k]
         normal = contacts.p[k, 0]
-        slip = row_velocity(contacts.rows, contacts.row_body, first + j, contacts.dof, u)
+        slip = row_velocity(contacts.rows.J, contacts.rows.body, first + j, contacts.rows.dof, u)
         bristle = 0.0
         dwell = 0.0
         if len(states) > 0 and normal > 0.0:
-            place = pair_place(model, history, contacts.table, k)
+            place = pair_place(model, history, contacts.rows.table, k)
             if place >= 0:
                 bristle = states[place, 0]
                 dwell = states[place, 1]
@@ -196,7 +196,7 @@ def find_friction(
 @kernel
 def tangential_force(contacts: CompliantContacts, j: int) -> float:
     """Friction along tangential row j [N]."""
-    return contacts.p[contacts.tangent[j], 1]
+    return contacts.p[contacts.rows.tangent[j], 1]
 
 
 @in_space("lcpflex.dynamics.spatial.contact_forces")
@@ -220,18 +220,18 @@ def add_normal_forces(model: Model, q: FloatArray, u: FloatArray, work: Workspac
     """Add the normal forces to those in ``work``: of springs to conservative, the rest to dissipative."""
     contacts = work.compliant
     normal_forces(model, q, u, contacts)
-    for k in range(contacts.n_contacts):
-        r = contacts.n_joint + k
-        add_force(contacts, contacts.rows, r, contacts.elastic[k], work.conservative)
-        add_force(contacts, contacts.rows, r, contacts.p[k, 0] - contacts.elastic[k], work.dissipative)
+    for k in range(contacts.rows.n_contacts):
+        r = contacts.rows.n_joint + k
+        add_force(contacts, contacts.rows.J, r, contacts.elastic[k], work.free.conservative)
+        add_force(contacts, contacts.rows.J, r, contacts.p[k, 0] - contacts.elastic[k], work.free.dissipative)
 
 
 @kernel
 def add_friction(work: Workspace) -> None:
     """Add the generalised forces of friction to those in ``work``, to dissipative, and all to total."""
-    for i in range(len(work.total)):
-        work.dissipative[i] += work.compliant.friction[i]
-        work.total[i] = work.conservative[i] + work.dissipative[i] + work.driving[i]
+    for i in range(len(work.free.total)):
+        work.free.dissipative[i] += work.compliant.friction[i]
+        work.free.total[i] = work.free.conservative[i] + work.free.dissipative[i] + work.free.driving[i]
 
 
 @kernel
@@ -244,24 +244,24 @@ def add_contact_forces(model: Model, q: FloatArray, u: FloatArray, work: Workspa
     find_friction(model, q, u, contacts.states, contacts.states, contacts)
     for i in range(len(u)):
         contacts.friction[i] = 0.0
-    first = contacts.n_joint + contacts.n_contacts
-    for j in range(contacts.n_tangents):
-        add_force(contacts, contacts.rows, first + j, tangential_force(contacts, j), contacts.friction)
+    first = contacts.rows.n_joint + contacts.rows.n_contacts
+    for j in range(contacts.rows.n_tangents):
+        add_force(contacts, contacts.rows.J, first + j, tangential_force(contacts, j), contacts.friction)
     add_friction(work)
 
 
 @kernel
 def elastic_energy(model: Model, contacts: CompliantContacts) -> float:
     """Energy stored in the contacts of ``normal_forces`` [J]."""
-    return energy_of_pairs(model, contacts) if contacts.n_contacts > 0 else 0.0
+    return energy_of_pairs(model, contacts) if contacts.rows.n_contacts > 0 else 0.0
 
 
 @late_kernel
 def energy_of_pairs(model: Model, contacts: CompliantContacts) -> float:
     """``elastic_energy`` where there are contacts."""
     total = 0.0
-    table = contacts.table
-    for k in range(contacts.n_contacts):
+    table = contacts.rows.table
+    for k in range(contacts.rows.n_contacts):
         depth = -table.gap[k]
         if depth > 0.0:
             place = pair_place(model, contacts.history, table, k)
@@ -272,9 +272,9 @@ def energy_of_pairs(model: Model, contacts: CompliantContacts) -> float:
 @kernel
 def add_force(contacts: CompliantContacts, rows: FloatArray, r: int, force: float, out: FloatArray) -> None:
     """out += row r of ``rows`` times a force."""
-    dof = contacts.dof
+    dof = contacts.rows.dof
     for i in range(2):
-        b = contacts.row_body[r, i]
+        b = contacts.rows.body[r, i]
         if b >= 0:
             d = dof[b]
             for k in range(dof[b + 1] - d):
@@ -285,9 +285,9 @@ def add_force(contacts: CompliantContacts, rows: FloatArray, r: int, force: floa
 @kernel
 def add_impulses(contacts: CompliantContacts, first: int, out: FloatArray) -> None:
     """Add the forces to the rates of the impulses of declared contacts, normal and tangential, from ``first`` on."""
-    for k in range(contacts.n_contacts):
+    for k in range(contacts.rows.n_contacts):
         for c in range(2):
-            out[first + 2 * contacts.table.law[k] + c] += contacts.p[k, c]
+            out[first + 2 * contacts.rows.table.law[k] + c] += contacts.p[k, c]
 
 
 @kernel
@@ -295,8 +295,8 @@ def mobility(contacts: CompliantContacts, r: int) -> float:
     """Diagonal G_rr of the Delassus operator [1/kg], whose M^-1 row is known; without joints: not less than with."""
     total = 0.0
     for i in range(2):
-        if contacts.row_body[r, i] >= 0:
-            total += dot(contacts.rows[r, i], contacts.solved[r, i], 0, contacts.rows.shape[2])
+        if contacts.rows.body[r, i] >= 0:
+            total += dot(contacts.rows.J[r, i], contacts.rows.solved[r, i], 0, contacts.rows.J.shape[2])
     return total
 
 
@@ -305,7 +305,7 @@ def compression(contacts: CompliantContacts, k: int, speed_squared: float, inver
     """Share ONSET of the indentation [m] in which contact k, of effective mass 1/``inverse``, would stop."""
     if not inverse > 0.0:
         return 0.0
-    law = contacts.table.law[k]
+    law = contacts.rows.table.law[k]
     history = contacts.history
     return ONSET * indentation_of(history.kinds[law], history.parameters[law], 0.5 * speed_squared / inverse)
 

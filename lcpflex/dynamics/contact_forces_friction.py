@@ -130,7 +130,7 @@ def balanced_friction(
 def recall(contacts: CompliantContacts, k: int) -> float:
     """Friction over normal force that entry k had in the step before: from there the sweeps set out."""
     for i in range(contacts.n_before):
-        if contacts.before[i, 0] == contacts.table.key[k]:
+        if contacts.before[i, 0] == contacts.rows.table.key[k]:
             return contacts.before[i, 1]
     return 0.0
 
@@ -139,21 +139,23 @@ def recall(contacts: CompliantContacts, k: int) -> float:
 def free_velocities(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, work: Workspace) -> None:
     """contacts.free: velocities at the end of a step without friction and rigid contacts, but with the joints."""
     contacts = work.compliant
-    n_joint = contacts.n_joint
+    n_joint = contacts.rows.n_joint
     for i in range(len(u)):
-        contacts.push[i] = h * (work.conservative[i] + work.dissipative[i] + work.driving[i])
+        contacts.push[i] = h * (work.free.conservative[i] + work.free.dissipative[i] + work.free.driving[i])
     solve_vector(model, work, contacts.push)
     for i in range(len(u)):
         contacts.free[i] = u[i] + contacts.push[i]
     if n_joint == 0:
         return
     factor_joints(model, t, q, u, work)
-    impulses = contacts.joints.answer
+    impulses = contacts.rows.joints.answer
     for r in range(n_joint):
-        velocity = row_velocity(contacts.rows, contacts.row_body, r, contacts.dof, contacts.free)
-        impulses[r] = -contacts.bias[0, r] - velocity
-    solve_joints(contacts, impulses)
-    apply_impulses(contacts.solved, contacts.row_body, 0 * n_joint, n_joint, impulses, contacts.dof, contacts.free)
+        velocity = row_velocity(contacts.rows.J, contacts.rows.body, r, contacts.rows.dof, contacts.free)
+        impulses[r] = -contacts.rows.rate[r] - velocity
+    solve_joints(contacts.rows, impulses)
+    apply_impulses(
+        contacts.rows.solved, contacts.rows.body, 0 * n_joint, n_joint, impulses, contacts.rows.dof, contacts.free
+    )
 
 
 @late_kernel
@@ -163,22 +165,22 @@ def balance(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, work
     At the end of a step of h > 0 [s], as it would be without rigid contacts; M is factorised.
     """
     contacts = work.compliant
-    n = contacts.n_contacts
-    n_joint = contacts.n_joint
+    n = contacts.rows.n_contacts
+    n_joint = contacts.rows.n_joint
     first = n_joint + n
-    dof = contacts.dof
+    dof = contacts.rows.dof
     for i in range(len(u)):
         contacts.friction[i] = 0.0
-    if contacts.n_tangents > 0:
+    if contacts.rows.n_tangents > 0:
         free_velocities(model, t, q, u, h, work)
-    solve_rows(model, contacts, first, first + contacts.n_tangents)
+    solve_rows(model, contacts.rows, first, first + contacts.rows.n_tangents)
     sweeps = SWEEPS if n > 1 else 1
     for sweep in range(-1 if sweeps > 1 else 0, sweeps):  # before the first, what they had in the step before
         worst = 0.0
-        for j in range(contacts.n_tangents):
-            k = contacts.tangent[j]
-            law = contacts.table.law[k]
-            mu = contacts.mu[k]
+        for j in range(contacts.rows.n_tangents):
+            k = contacts.rows.tangent[j]
+            law = contacts.rows.table.law[k]
+            mu = contacts.rows.mu[k]
             normal = contacts.p[k, 0]
             if not normal > 0.0:
                 continue
@@ -186,24 +188,26 @@ def balance(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, work
             share = h * max(condensed_mobility(contacts, r), 0.0)
             force = recall(contacts, k) * normal
             if sweep >= 0:
-                slip = row_velocity(contacts.rows, contacts.row_body, r, dof, contacts.free) - share * contacts.p[k, 1]
-                start = row_velocity(contacts.rows, contacts.row_body, r, dof, u)
+                slip = (
+                    row_velocity(contacts.rows.J, contacts.rows.body, r, dof, contacts.free) - share * contacts.p[k, 1]
+                )
+                start = row_velocity(contacts.rows.J, contacts.rows.body, r, dof, u)
                 force = balanced_friction(contacts.history, law, mu, normal, start, slip, share)
                 contacts.sticks[k] = 1 if abs(slip + share * force) < contacts.history.slip_speed[law] else 0
             change = force - contacts.p[k, 1]
             contacts.p[k, 1] = force
-            add_force(contacts, contacts.rows, r, change, contacts.friction)
+            add_force(contacts, contacts.rows.J, r, change, contacts.friction)
             worst = max(worst, abs(change) / (mu * normal))
-            add_force(contacts, contacts.solved, r, h * change, contacts.free)
-            impulses = contacts.joints.answer
+            add_force(contacts, contacts.rows.solved, r, h * change, contacts.free)
+            impulses = contacts.rows.joints.answer
             for i in range(n_joint):
                 impulses[i] *= -h * change
-            apply_impulses(contacts.solved, contacts.row_body, 0 * n_joint, n_joint, impulses, dof, contacts.free)
+            apply_impulses(contacts.rows.solved, contacts.rows.body, 0 * n_joint, n_joint, impulses, dof, contacts.free)
         if sweep >= 0 and worst <= SETTLED:
             break
     contacts.n_before = n
     for k in range(n):
-        contacts.before[k, 0] = contacts.table.key[k]
+        contacts.before[k, 0] = contacts.rows.table.key[k]
         contacts.before[k, 1] = contacts.p[k, 1] / contacts.p[k, 0] if contacts.p[k, 0] > 0.0 else 0.0
 
 
@@ -242,15 +246,15 @@ def forces_after(model: Model, q: FloatArray, u: FloatArray, work: Workspace) ->
 def planar_forces_after(model: Model, q: FloatArray, u: FloatArray, work: Workspace) -> None:
     """The same, in the plane."""
     contacts = work.compliant
-    n = contacts.n_contacts
+    n = contacts.rows.n_contacts
     for k in range(n):
-        contacts.last[k, 0] = contacts.table.key[k] if contacts.p[k, 0] > 0.0 else -1.0
+        contacts.last[k, 0] = contacts.rows.table.key[k] if contacts.p[k, 0] > 0.0 else -1.0
         contacts.last[k, 1] = contacts.p[k, 1] / contacts.p[k, 0] if contacts.p[k, 0] > 0.0 else 0.0
         contacts.last[k, 2] = contacts.sticks[k]
     add_contact_forces(model, q, u, work)
-    for k in range(contacts.n_contacts):
+    for k in range(contacts.rows.n_contacts):
         for i in range(n):
-            if contacts.last[i, 0] == contacts.table.key[k]:
+            if contacts.last[i, 0] == contacts.rows.table.key[k]:
                 contacts.p[k, 1] = contacts.last[i, 1] * contacts.p[k, 0]
                 contacts.sticks[k] = 1 if contacts.last[i, 2] > 0.0 else 0
 
@@ -262,7 +266,7 @@ def compare_friction(u: FloatArray, h: float, work: Workspace) -> None:
 
     ``balance`` knows nothing of rigid contacts: what they hold, friction of compliant ones was made to hold, too.
     """
-    if work.compliant.n_tangents > 0:
+    if work.compliant.rows.n_tangents > 0:
         add_missed_friction(u, h, work.compliant)
 
 
@@ -270,14 +274,14 @@ def compare_friction(u: FloatArray, h: float, work: Workspace) -> None:
 def add_missed_friction(u: FloatArray, h: float, contacts: CompliantContacts) -> None:
     """``compare_friction`` where there are contacts with friction."""
     history = contacts.history
-    for j in range(contacts.n_tangents):
-        k = contacts.tangent[j]
-        law = contacts.table.law[k]
-        mu = contacts.mu[k]
+    for j in range(contacts.rows.n_tangents):
+        k = contacts.rows.tangent[j]
+        law = contacts.rows.table.law[k]
+        mu = contacts.rows.mu[k]
         normal = contacts.p[k, 0]
         if normal > 0.0:
-            r = contacts.n_joint + contacts.n_contacts + j
-            slip = row_velocity(contacts.rows, contacts.row_body, r, contacts.dof, u)
+            r = contacts.rows.n_joint + contacts.rows.n_contacts + j
+            slip = row_velocity(contacts.rows.J, contacts.rows.body, r, contacts.rows.dof, u)
             force = friction_force(history.kinds[law], history.parameters[law], slip, normal, mu, 0.0, 0.0)
             contacts.missed[law, 0] += h * abs(force - contacts.p[k, 1])
             contacts.missed[law, 1] += h * mu * normal

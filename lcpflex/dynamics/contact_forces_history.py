@@ -18,13 +18,12 @@ from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.contact_forces import fill_rows, find_contacts, mobility, pair_force, pair_place, pair_stiffness
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.joint_response import factorise_joints, respond
-from lcpflex.dynamics.mechanics import factorise, solve_rows
+from lcpflex.dynamics.mechanics import factorise, fill_joint_rows, solve_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.elastic.kernels import stored_energy
 from lcpflex.force_laws.history import FREE, PLACES, ContactMemory, first_place
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.jit.leaf import in_space
-from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 
 __all__ = ["condensed_mobility", "factor_joints", "has_begun", "note_depths", "onset", "roundings", "update_history"]
@@ -71,10 +70,10 @@ def onset(model: Model, contacts: CompliantContacts) -> bool:
     come back to it; by the gaps and rates of the contacts found.
     """
     history = contacts.history
-    table = contacts.table
+    table = contacts.rows.table
     count = max(len(model.contacts.feature_kind), 1)
-    mark(model, history, table, contacts.n_contacts)
-    for k in range(contacts.n_contacts):
+    mark(model, history, table, contacts.rows.n_contacts)
+    for k in range(contacts.rows.n_contacts):
         place = first_place(history, table.law[k], table.key[k] // count)
         if place < 0 or table.gap[k] > 0.0:
             continue
@@ -98,10 +97,12 @@ def find_rates(model: Model, q: FloatArray, u: FloatArray, slack: float, contact
     """Contacts that touch at (q, u), with their rows and rates; gaps count as smaller by ``slack`` [m]."""
     find_contacts(model, q, slack, contacts)
     fill_rows(model, q, contacts)
-    for k in range(contacts.n_contacts):
-        contacts.table.gap[k] -= slack
-        contacts.rate[k] = row_velocity(contacts.rows, contacts.row_body, contacts.n_joint + k, contacts.dof, u)
-    yield_to_deeper(contacts.table, contacts.n_contacts)
+    for k in range(contacts.rows.n_contacts):
+        contacts.rows.table.gap[k] -= slack
+        contacts.rate[k] = row_velocity(
+            contacts.rows.J, contacts.rows.body, contacts.rows.n_joint + k, contacts.rows.dof, u
+        )
+    yield_to_deeper(contacts.rows.table, contacts.rows.n_contacts)
 
 
 @kernel
@@ -115,11 +116,10 @@ def has_begun(model: Model, q: FloatArray, u: FloatArray, contacts: CompliantCon
 def factor_joints(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> None:
     """Rows of the joints at q, M^-1 times them, and the factor of J M^-1 J^T; M as it was factorised last."""
     contacts = work.compliant
-    n_joint = contacts.n_joint
-    rows, wrench, bias = contacts.rows, contacts.wrench, contacts.bias
-    joint_rows(model, t, q, u, work.external, rows, contacts.row_body, wrench, bias[0], bias[1])
-    solve_rows(model, contacts, 0, n_joint)
-    factorise_joints(contacts)
+    rows = contacts.rows
+    fill_joint_rows(model, t, q, u, work.free.external, rows)
+    solve_rows(model, rows, 0, rows.n_joint)
+    factorise_joints(rows)
 
 
 @kernel
@@ -128,8 +128,8 @@ def condensed_mobility(contacts: CompliantContacts, r: int) -> float:
     known. ``contacts.joints.answer``: what impulses of the joints cancel a unit one of the row.
     """
     value = mobility(contacts, r)
-    if contacts.n_joint > 0:
-        value -= respond(contacts, r)
+    if contacts.rows.n_joint > 0:
+        value -= respond(contacts.rows, r)
     return value
 
 
@@ -145,13 +145,13 @@ def roundings(values: FloatArray) -> float:
 @kernel
 def note_stiffness(model: Model, contacts: CompliantContacts) -> None:
     """Keep the largest 2 / (step that bears the stiffness and damping of a contact), each by itself."""
-    for k in range(contacts.n_contacts):
-        depth = -contacts.table.gap[k]
+    for k in range(contacts.rows.n_contacts):
+        depth = -contacts.rows.table.gap[k]
         if not depth > 0.0:
             continue
-        law, rate = contacts.table.law[k], abs(contacts.rate[k])
-        inverse = weight_of(contacts.table, k) * mobility(contacts, contacts.n_joint + k)
-        place = pair_place(model, contacts.history, contacts.table, k)
+        law, rate = contacts.rows.table.law[k], abs(contacts.rate[k])
+        inverse = weight_of(contacts.rows.table, k) * mobility(contacts, contacts.rows.n_joint + k)
+        place = pair_place(model, contacts.history, contacts.rows.table, k)
         stiffness = pair_stiffness(contacts.history, law, place, depth) * inverse
         damping = 0.0
         if rate > 0.0:  # on approach, where no force is clipped
@@ -186,14 +186,14 @@ def renew_history(
     find_rates(model, q, u, roundings(q), contacts)
     if contacts.needed > 0:
         return False
-    n = contacts.n_contacts
-    n_joint = contacts.n_joint
+    n = contacts.rows.n_contacts
+    n_joint = contacts.rows.n_joint
     for k in range(n):
         contacts.rate[k] += turned
     begins = onset(model, contacts)
     if begins or explicit:
         factorise(model, q, 0.0, 0.0, work)
-        solve_rows(model, contacts, n_joint, n_joint + n)
+        solve_rows(model, contacts.rows, n_joint, n_joint + n)
     if explicit:
         note_stiffness(model, contacts)
     if begins:
@@ -227,12 +227,12 @@ def keep_bristles(
 def update_states(model: Model, q: FloatArray, contacts: CompliantContacts, states: FloatArray) -> int:
     """Write the history of the contacts found; the law whose indentation is out of its range, or -1."""
     history = contacts.history
-    table = contacts.table
+    table = contacts.rows.table
     rates = contacts.rate
     count = max(len(model.contacts.feature_kind), 1)
-    mark(model, history, table, contacts.n_contacts)
+    mark(model, history, table, contacts.rows.n_contacts)
     outside = WITHIN
-    for k in range(contacts.n_contacts):
+    for k in range(contacts.rows.n_contacts):
         law = table.law[k]
         depth = max(-table.gap[k], 0.0)
         history.worst[law] = max(history.worst[law], depth)
@@ -274,5 +274,5 @@ def update_states(model: Model, q: FloatArray, contacts: CompliantContacts, stat
 def note_depths(contacts: CompliantContacts) -> None:
     """Keep the largest indentations of the contacts last found: laws that remember nothing have no other account."""
     worst = contacts.history.worst
-    for k in range(contacts.n_contacts):
-        worst[contacts.table.law[k]] = max(worst[contacts.table.law[k]], -contacts.table.gap[k])
+    for k in range(contacts.rows.n_contacts):
+        worst[contacts.rows.table.law[k]] = max(worst[contacts.rows.table.law[k]], -contacts.rows.table.gap[k])

@@ -23,98 +23,107 @@ __all__ = ["describe_contacts", "factor_joints", "fits", "lay_as_one", "lay_cont
 def lay_contacts(work: Workspace) -> None:
     """Begin with the contacts of the rows laid: which islands they make, under Coulomb's law.
 
-    The right-hand side is ``work.free``, sizes of what cancels in it ``work.terms``.
+    The right-hand side is ``work.free.v``, sizes of what cancels in it ``work.free.terms``.
     """
     lay_as_one(work)
     factor_joints(work)
-    find_islands(work.islands, work.rows, work.solved, work.row_body, work.dof, work.n_joint, work.n_contacts)
+    find_islands(
+        work.posed.islands,
+        work.rows.J,
+        work.rows.solved,
+        work.rows.body,
+        work.rows.dof,
+        work.rows.n_joint,
+        work.rows.n_contacts,
+    )
 
 
 @kernel
 def lay_as_one(work: Workspace) -> None:
     """The contacts of the rows laid as one island, under Coulomb's law and without joints."""
-    work.on_sets = 0
-    work.shifted = 0
-    work.lifted = 0
-    for k in range(work.n_contacts):
-        work.tangent_of[k] = -1
-    for j in range(work.n_tangents):
-        work.tangent_of[work.tangent[j]] = j
-    one_island(work.islands, work.n_contacts)
+    work.posed.on_sets = 0
+    work.posed.shifted = 0
+    work.posed.lifted = 0
+    for k in range(work.rows.n_contacts):
+        work.posed.tangent_of[k] = -1
+    for j in range(work.rows.n_tangents):
+        work.posed.tangent_of[work.rows.tangent[j]] = j
+    one_island(work.posed.islands, work.rows.n_contacts)
 
 
 @kernel
 def factor_joints(work: Workspace) -> None:
     """The factor of the joints, their answer to the right-hand side, and what they have to do with each contact row."""
-    n_joint = work.n_joint
+    n_joint = work.rows.n_joint
     if n_joint > 0:
-        answer = work.joints.answer
+        answer = work.rows.joints.answer
         for j in range(n_joint):
-            answer[j] = work.free[j]
-        factorise_joints(work)
-        solve_joints(work, answer)
-        couple(work, n_joint, work.n_contacts + work.n_tangents)
+            answer[j] = work.free.v[j]
+        factorise_joints(work.rows)
+        solve_joints(work.rows, answer)
+        couple(work.rows, n_joint, work.rows.n_contacts + work.rows.n_tangents)
 
 
 @kernel
 def fits(work: Workspace, i: int) -> bool:
-    """Whether there is room for the problem of island i; ``work.most`` becomes what it needs."""
-    size = work.islands.start[i + 1] - work.islands.start[i]
-    work.most = max(work.most, size)
-    return bool(size <= len(work.problem.friction))
+    """Whether there is room for the problem of island i; ``work.impulses.most`` becomes what it needs."""
+    size = work.posed.islands.start[i + 1] - work.posed.islands.start[i]
+    work.impulses.most = max(work.impulses.most, size)
+    return bool(size <= len(work.posed.problem.friction))
 
 
 @in_space("lcpflex.dynamics.spatial.contact_problem")
 @kernel
 def pose_island(work: Workspace, i: int) -> None:
-    """``work.problem`` of the contacts of island i."""
+    """``work.posed.problem`` of the contacts of island i."""
     describe_contacts(work, i)
-    n_joint, problem, part = work.n_joint, work.problem, work.part
+    n_joint, problem, part = work.rows.n_joint, work.posed.problem, work.posed.part
     m = problem.n_contacts + problem.n_tangents
     G, free = problem.delassus, problem.free
-    delassus(work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], part, m, G)
+    delassus(work.rows.J[n_joint:], work.rows.solved[n_joint:], work.rows.body[n_joint:], part, m, G)
     for c in range(m):
-        free[c] = work.free[n_joint + part[c]]
+        free[c] = work.free.v[n_joint + part[c]]
     if n_joint > 0:
-        condense(work, part, n_joint, m, G, free)
+        condense(work.rows, part, n_joint, m, G, free)
     note_effects(work, i)
 
 
 @kernel
 def note_effects(work: Workspace, i: int) -> None:
     """What is known of each contact of island i alone; forces that are counted already leave the right-hand side."""
-    problem, contact = work.problem, work.islands.contact
-    first, n = work.islands.start[i], problem.n_contacts
+    problem, contact = work.posed.problem, work.posed.islands.contact
+    first, n = work.posed.islands.start[i], problem.n_contacts
     for c in range(n):
         k = contact[first + c]
-        work.own[k] = problem.delassus[c, c]
-        work.effect[k] = problem.free[c]
-    if work.lifted == 1:
+        work.posed.own[k] = problem.delassus[c, c]
+        work.posed.effect[k] = problem.free[c]
+    if work.posed.lifted == 1:
         for c in range(n):
             for e in range(n):
-                problem.free[c] -= problem.delassus[c, e] * work.counted[contact[first + e]]
+                problem.free[c] -= problem.delassus[c, e] * work.posed.counted[contact[first + e]]
 
 
 @kernel
 def describe_contacts(work: Workspace, i: int) -> None:
-    """Friction, tangents and names of the contacts of island i, and in ``work.part`` the rows of its problem."""
-    problem, part, contact = work.problem, work.part, work.islands.contact
-    first = work.islands.start[i]
-    n = work.islands.start[i + 1] - first
-    all_contacts, table, tangent_of, terms = work.n_contacts, work.table, work.tangent_of, work.terms
-    on_sets, shifted = work.on_sets, work.shifted
+    """Friction, tangents and names of the contacts of island i, and in ``work.posed.part`` the rows of its problem."""
+    problem, part, contact = work.posed.problem, work.posed.part, work.posed.islands.contact
+    first = work.posed.islands.start[i]
+    n = work.posed.islands.start[i + 1] - first
+    all_contacts, table = work.rows.n_contacts, work.rows.table
+    tangent_of, terms = work.posed.tangent_of, work.free.terms
+    on_sets, shifted = work.posed.on_sets, work.posed.shifted
     found = 0
     for c in range(n):
         k = contact[first + c]
         part[c] = k
-        problem.friction[c] = work.mu[k]
+        problem.friction[c] = work.rows.mu[k]
         problem.key[c] = table.key[k]
         problem.pair[c] = table.law[k]
         problem.terms[c] = terms[k]
         if on_sets == 1:
-            problem.mode[c] = work.mode[k]
+            problem.mode[c] = work.posed.mode[k]
         if shifted == 1:
-            problem.least[c] = work.least[k]
+            problem.least[c] = work.posed.least[k]
         j = tangent_of[k]
         if j >= 0:
             part[n + found] = all_contacts + j
@@ -129,9 +138,9 @@ def describe_contacts(work: Workspace, i: int) -> None:
 
 @kernel
 def take_forces(work: Workspace) -> None:
-    """Forces of the problem just solved to ``work.p``; those of sliding contacts on index sets from their normals."""
-    problem, solver, part, p = work.problem, work.solver, work.part, work.p
-    n_joint, n = work.n_joint, problem.n_contacts
+    """Forces of the problem just solved to ``impulses.p``; of sliding contacts on index sets from their normals."""
+    problem, solver, part, p = work.posed.problem, work.impulses.solver, work.posed.part, work.impulses.p
+    n_joint, n = work.rows.n_joint, problem.n_contacts
     for c in range(n):
         p[n_joint + part[c]] = solver.normal[c]
     if problem.on_sets == 0:

@@ -25,17 +25,19 @@ __all__ = ["add_impulses", "answer_joints", "lay_impulse", "pose", "recall_joint
 @in_space("lcpflex.dynamics.spatial.delassus")
 @kernel
 def measure_free(work: Workspace) -> None:
-    """``work.free`` and ``work.terms`` of the rows laid at ``work.free_u``."""
-    n = work.n_joint + work.n_contacts + work.n_tangents
-    free_velocities(work.rows, work.row_body, work.n_joint, n, work.dof, work.free_u, work.free, work.terms)
+    """``work.free.v`` and ``work.free.terms`` of the rows laid at ``work.free.u``."""
+    n = work.rows.n_joint + work.rows.n_contacts + work.rows.n_tangents
+    free_velocities(
+        work.rows.J, work.rows.body, work.rows.n_joint, n, work.rows.dof, work.free.u, work.free.v, work.free.terms
+    )
 
 
 @in_space("lcpflex.dynamics.spatial.delassus")
 @kernel
 def add_impulses(work: Workspace, u: FloatArray) -> None:
-    """u += A^-1 W p of all rows laid and their impulses ``work.p``."""
-    total = work.n_joint + work.n_contacts + work.n_tangents
-    apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, u)
+    """u += A^-1 W p of all rows laid and their impulses ``work.impulses.p``."""
+    total = work.rows.n_joint + work.rows.n_contacts + work.rows.n_tangents
+    apply_impulses(work.rows.solved, work.rows.body, 0, total, work.impulses.p, work.rows.dof, u)
 
 
 @kernel
@@ -47,31 +49,31 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
     linearisation. Normal velocity below ``velocity_threshold`` [m/s] is not reflected (e_N = 0), nor, where there is
     one, that of a contact that goes on.
     """
-    n_joint = work.n_joint
-    n = work.n_contacts
-    n_tangent = work.n_tangents
+    n_joint = work.rows.n_joint
+    n = work.rows.n_contacts
+    n_tangent = work.rows.n_tangents
     total = n_joint + n + n_tangent
     measure_free(work)
     if lead > 0.0:
         for r in range(total):
-            work.free[r] += lead * work.bias[r]
+            work.free.v[r] += lead * work.rows.bias[r]
     for r in range(n_joint):
-        work.free[r] += work.rate[r]
+        work.free.v[r] += work.rows.rate[r]
     for k in range(n):
-        law = work.table.law[k]
+        law = work.rows.table.law[k]
         e_n = model.contacts.restitution[law]
         if e_n > 0.0:
-            before = row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u_before)
+            before = row_velocity(work.rows.J, work.rows.body, n_joint + k, work.rows.dof, u_before)
             if abs(before) > velocity_threshold:
                 if not (velocity_threshold > 0.0 and goes_on(work, k, before)):
-                    work.free[n_joint + k] += e_n * before
+                    work.free.v[n_joint + k] += e_n * before
             else:
-                work.stopped = max(work.stopped, -before)
+                work.impulses.stopped = max(work.impulses.stopped, -before)
     for j in range(n_tangent):
-        e_t = model.contacts.tangential_restitution[work.table.law[work.tangent[j]]]
+        e_t = model.contacts.tangential_restitution[work.rows.table.law[work.rows.tangent[j]]]
         if e_t > 0.0:
             r = n_joint + n + j
-            work.free[r] += e_t * row_velocity(work.rows, work.row_body, r, work.dof, u_before)
+            work.free.v[r] += e_t * row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u_before)
     lay_contacts(work)
     prepare_large(model, work)
 
@@ -83,31 +85,31 @@ def goes_on(work: Workspace, k: int, before: float) -> bool:
     Its rows have turned since: at those of its own step, what carries has none. To reflect it, as that of a body that
     tips over its corner, is to let it sink or jump, in every step in which rows turn by more than the threshold.
     """
-    if not abs(before) <= 2.0 * abs(work.free[work.n_joint + k] - before):
+    if not abs(before) <= 2.0 * abs(work.free.v[work.rows.n_joint + k] - before):
         return False
-    return bool(entry_of(work.held_key[0], work.n_held, work.table.key[k], 0) >= 0)
+    return bool(entry_of(work.impulses.held_key[0], work.impulses.n_held, work.rows.table.key[k], 0) >= 0)
 
 
 @kernel
 def answer_joints(work: Workspace) -> None:
-    """Impulses ``work.p`` of the joints, those of the contacts being known."""
-    joint_impulses(work, work.n_joint + work.n_contacts + work.n_tangents, work.p)
+    """Impulses ``work.impulses.p`` of the joints, those of the contacts being known."""
+    joint_impulses(work.rows, work.rows.n_joint + work.rows.n_contacts + work.rows.n_tangents, work.impulses.p)
 
 
 @kernel
 def recall_joints(work: Workspace) -> None:
     """Impulses of the joints are those that large islands of the next step begin from."""
-    for r in range(work.n_joint):
-        work.recalled[r] = work.p[r]
+    for r in range(work.rows.n_joint):
+        work.impulses.recalled[r] = work.impulses.p[r]
 
 
 @kernel
 def lay_impulse(work: Workspace, normal: float, tangential: float) -> None:
-    """Impulses ``work.p`` of all rows, of which those of a single contact are given; joints answer them."""
-    n_joint = work.n_joint
-    work.p[n_joint] = normal
-    if work.n_tangents > 0:
-        work.p[n_joint + 1] = tangential
+    """Impulses ``work.impulses.p`` of all rows, of which those of a single contact are given; joints answer them."""
+    n_joint = work.rows.n_joint
+    work.impulses.p[n_joint] = normal
+    if work.rows.n_tangents > 0:
+        work.impulses.p[n_joint + 1] = tangential
     answer_joints(work)
     for r in range(n_joint):
-        work.joints.answer[r] = 0.0  # met by the first of several phases
+        work.rows.joints.answer[r] = 0.0  # met by the first of several phases

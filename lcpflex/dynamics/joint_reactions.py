@@ -60,9 +60,9 @@ def magnitude(reaction: FloatArray, size: float) -> float:
 
 @kernel
 def note_impulses(model: Model, work: Workspace, struck: bool, reactions: Reactions) -> None:
-    """Impulses ``work.p`` beside the forces of a step; those of an impact, where something was ``struck``, apart."""
+    """Impulses ``p`` beside the forces of a step; those of an impact, where something was ``struck``, apart."""
     for joint in range(len(reactions.impulse)):
-        impulse = reaction(model, work, joint, work.p)
+        impulse = reaction(model, work, joint, work.impulses.p)
         for i in range(len(impulse)):
             if struck:
                 reactions.impulse[joint, i] += impulse[i]
@@ -73,12 +73,12 @@ def note_impulses(model: Model, work: Workspace, struck: bool, reactions: Reacti
 
 @kernel
 def note_step(model: Model, work: Workspace, h: float, struck: bool, reactions: Reactions) -> None:
-    """A step of h [s]: its impulses ``work.p`` are those of forces, but where those of an impact pass.
+    """A step of h [s]: its impulses ``work.impulses.p`` are those of forces, but where those of an impact pass.
 
     struck: there was one, and ``reactions.reached`` tells which bodies it reached.
     """
     for joint in range(len(reactions.impulse)):
-        impulse = reaction(model, work, joint, work.p)
+        impulse = reaction(model, work, joint, work.impulses.p)
         if struck and is_reached(model, work, joint, reactions):
             for i in range(len(impulse)):
                 reactions.impulse[joint, i] += impulse[i]
@@ -94,7 +94,7 @@ def note_step(model: Model, work: Workspace, h: float, struck: bool, reactions: 
 @kernel
 def is_reached(model: Model, work: Workspace, joint: int, reactions: Reactions) -> bool:
     """Whether impulses of an impact pass through a joint: through one of a held body where they reach the other."""
-    held, reached = work.islands.held, reactions.reached
+    held, reached = work.posed.islands.held, reactions.reached
     some, free = False, False
     for i in range(2):
         b = model.points.body[model.joints.point[joint, i]]
@@ -109,8 +109,16 @@ def is_reached(model: Model, work: Workspace, joint: int, reactions: Reactions) 
 @kernel
 def begin_reached(work: Workspace, reactions: Reactions) -> None:
     """No body is reached; bodies are connected where that is not known yet: a single contact asks for no islands."""
-    if work.n_contacts == 1:
-        connect_bodies(work.islands, work.rows, work.solved, work.row_body, work.dof, work.n_joint, work.n_contacts)
+    if work.rows.n_contacts == 1:
+        connect_bodies(
+            work.posed.islands,
+            work.rows.J,
+            work.rows.solved,
+            work.rows.body,
+            work.rows.dof,
+            work.rows.n_joint,
+            work.rows.n_contacts,
+        )
     for b in range(len(reactions.reached)):
         reactions.reached[b] = 0
 
@@ -118,9 +126,9 @@ def begin_reached(work: Workspace, reactions: Reactions) -> None:
 @kernel
 def strike(work: Workspace, k: int, reactions: Reactions) -> None:
     """Contact k closed with an impact: of all bodies connected to its own, one is marked, and held ones."""
-    islands = work.islands
+    islands = work.posed.islands
     for i in range(2):
-        b = work.row_body[work.n_joint + k, i]
+        b = work.rows.body[work.rows.n_joint + k, i]
         if b >= 0:
             reactions.reached[b if islands.held[b] == 1 else root(islands.parent, b)] = 1
 
@@ -131,16 +139,16 @@ def spread_reached(work: Workspace, reactions: Reactions) -> None:
 
     That is through joints, and through contacts that press: what strikes a pile strikes what the pile stands on.
     """
-    held, reached, row_body = work.islands.held, reactions.reached, work.row_body
+    held, reached, row_body = work.posed.islands.held, reactions.reached, work.rows.body
     for b in range(len(reached)):
-        if held[b] == 0 and reached[root(work.islands.parent, b)] == 1:
+        if held[b] == 0 and reached[root(work.posed.islands.parent, b)] == 1:
             reached[b] = 1
     more = True
     while more:
         more = False
-        for r in range(work.n_joint + work.n_contacts):
-            touches = r >= work.n_joint
-            if touches and not work.p[r] > 0.0:
+        for r in range(work.rows.n_joint + work.rows.n_contacts):
+            touches = r >= work.rows.n_joint
+            if touches and not work.impulses.p[r] > 0.0:
                 continue
             for i in range(2):
                 a, b = row_body[r, i], row_body[r, 1 - i]
@@ -153,9 +161,9 @@ def spread_reached(work: Workspace, reactions: Reactions) -> None:
 
 @kernel
 def lay_reactions(model: Model, work: Workspace, out: FloatArray) -> None:
-    """Those to the forces ``work.p``, of each joint."""
+    """Those to the forces ``work.impulses.p``, of each joint."""
     for joint in range(len(out)):
-        force = reaction(model, work, joint, work.p)
+        force = reaction(model, work, joint, work.impulses.p)
         for i in range(len(force)):
             out[joint, i] = force[i]
 
@@ -171,7 +179,7 @@ def compare_reactions(model: Model, work: Workspace, now: IntArray, reactions: R
     for joint in range(len(reactions.change)):
         largest = max(largest, magnitude(reactions.change[joint], reactions.size))
     for joint in range(len(reactions.change)):
-        force = reaction(model, work, joint, work.p)
+        force = reaction(model, work, joint, work.impulses.p)
         for i in range(len(force)):
             reactions.change[joint, i] = force[i] - reactions.change[joint, i]
         if magnitude(reactions.change[joint], reactions.size) > SHARED * largest:
@@ -197,12 +205,12 @@ def note_ends(model: Model, h: float, reactions: Reactions) -> None:
 
 @kernel
 def note_instant(model: Model, work: Workspace, now: IntArray, reactions: Reactions) -> None:
-    """Forces ``work.p`` at the instant that is about to be stored, in the place of a mean.
+    """Forces ``work.impulses.p`` at the instant that is about to be stored, in the place of a mean.
 
     now: 1 for each rate that asks for it.
     """
     for joint in range(len(reactions.impulse)):
-        instant = reaction(model, work, joint, work.p)
+        instant = reaction(model, work, joint, work.impulses.p)
         force, moment = peaks(model, instant, 1.0)
         for rate in range(len(now)):
             if now[rate] == 1:
@@ -230,5 +238,5 @@ def settle(model: Model, work: Workspace, rate: int, reactions: Reactions) -> No
             reactions.sum[rate, joint, i] = 0.0
         reactions.unique[joint] = 1
         reactions.time[rate, joint] = 0.0
-    if work.joints.factor.weak + work.joints.factor.dependent > 0 and some:
+    if work.rows.joints.factor.weak + work.rows.joints.factor.dependent > 0 and some:
         take_least(model, work, reactions)

@@ -53,16 +53,16 @@ def products(a: FloatArray, b: FloatArray) -> tuple[float, float]:
 @kernel
 def weight(work: Workspace, size: float, r: int, s: int) -> float:
     """W[r, s] of two rows of one joint, L = ``size`` [m]."""
-    force, moment = products(work.wrench[r], work.wrench[s])
+    force, moment = products(work.rows.wrench[r], work.rows.wrench[s])
     return force + moment / (size * size)
 
 
 @kernel
 def factorise_weighted(work: Workspace, reactions: Reactions) -> float:
     """The factor of S + eps W in the place of that of S; returns eps."""
-    factor, owner = work.joints.factor, reactions.owner
+    factor, owner = work.rows.joints.factor, reactions.owner
     order, start, column, value = factor.order, factor.start, factor.column, factor.value
-    assemble_joints(work)
+    assemble_joints(work.rows)
     mean, count = 0.0, 0
     for i in range(len(order)):
         own, unit = value[start[i + 1] - 1], weight(work, reactions.size, order[i], order[i])
@@ -82,7 +82,7 @@ def factorise_weighted(work: Workspace, reactions: Reactions) -> float:
 @kernel
 def without_effect(model: Model, work: Workspace, scale: float, p: FloatArray, reactions: Reactions) -> bool:
     """reactions.least: the part of the multipliers p without an effect on the motion; whether it converged."""
-    factor, owner, part, load = work.joints.factor, reactions.owner, reactions.least, reactions.load
+    factor, owner, part, load = work.rows.joints.factor, reactions.owner, reactions.least, reactions.load
     order, row = factor.order, model.joints.row
     largest = 0.0
     for r in range(len(p)):
@@ -125,7 +125,7 @@ def multipliers(model: Model, work: Workspace, reactions: Reactions) -> None:
 
     Zero of joints whose forces no step has told.
     """
-    p, row, wrench, left = reactions.rows, model.joints.row, work.wrench, reactions.change
+    p, row, wrench, left = reactions.rows, model.joints.row, work.rows.wrench, reactions.change
     for joint in range(len(reactions.mean)):
         for r in range(row[joint], row[joint + 1]):
             p[r] = 0.0
@@ -153,7 +153,7 @@ def mark(model: Model, work: Workspace, scale: float, reactions: Reactions) -> b
     p, part = reactions.rows, reactions.least
     for r in range(len(p)):
         p[r] = 0.5 + (GOLDEN * r) % 1.0
-        force, moment = products(work.wrench[r], work.wrench[r])
+        force, moment = products(work.rows.wrench[r], work.rows.wrench[r])
         if moment > 0.0 and force == 0.0:
             p[r] *= reactions.size
     converged = without_effect(model, work, scale, p, reactions)
@@ -193,4 +193,4 @@ def take_least(model: Model, work: Workspace, reactions: Reactions) -> None:
                         reactions.mean[joint, i] -= force[i]
             if not taken > SETTLED * largest:
                 break
-    factorise_joints(work)
+    factorise_joints(work.rows)

@@ -17,18 +17,22 @@ from lcpflex.dynamics.inertia import (
     solve_block,
     solve_rigid,
 )
+from lcpflex.dynamics.rows import Rows
 from lcpflex.dynamics.whitening import whiten_rows as whiten
-from lcpflex.dynamics.workspace import Rows, Workspace
+from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.jit.leaf import in_space
+from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 
 __all__ = [
     "contact_biases",
+    "count_rows",
     "displace",
     "energies",
     "fill_contact_rows",
+    "fill_joint_rows",
     "forces",
     "factorise",
     "multiply",
@@ -41,7 +45,7 @@ __all__ = [
 
 @kernel
 def supply(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> None:
-    """Fill ``work.external`` from Python callbacks at time t: none in a compiled loop."""
+    """Fill ``work.free.external`` from Python callbacks at time t: none in a compiled loop."""
 
 
 @in_space("lcpflex.dynamics.spatial.mechanics")
@@ -50,28 +54,38 @@ def forces(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace
     """All generalised forces but constraint ones: by kind in conservative, dissipative, driving; their sum in total."""
     n = len(q)
     for i in range(n):
-        work.conservative[i] = 0.0
-        work.dissipative[i] = 0.0
-        work.driving[i] = 0.0
-    inertial_forces(model.bodies, model.loads, q, u, work.conservative)
-    elastic_forces(model.bodies, q, u, work.conservative, work.dissipative)
-    applied_forces(model, t, q, u, work.span, work.external, work.conservative, work.dissipative, work.driving)
+        work.free.conservative[i] = 0.0
+        work.free.dissipative[i] = 0.0
+        work.free.driving[i] = 0.0
+    inertial_forces(model.bodies, model.loads, q, u, work.free.conservative)
+    elastic_forces(model.bodies, q, u, work.free.conservative, work.free.dissipative)
+    applied_forces(
+        model,
+        t,
+        q,
+        u,
+        work.free.span,
+        work.free.external,
+        work.free.conservative,
+        work.free.dissipative,
+        work.free.driving,
+    )
     for i in range(n):
-        work.total[i] = work.conservative[i] + work.dissipative[i] + work.driving[i]
+        work.free.total[i] = work.free.conservative[i] + work.free.dissipative[i] + work.free.driving[i]
 
 
 @in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def factorise(model: Model, q: FloatArray, alpha_c: float, alpha_k: float, work: Workspace) -> None:
     """Factorise M(q) + alpha_c C + alpha_k K."""
-    factorise_bodies(model.bodies, q, alpha_c, alpha_k, work.arrow)
+    factorise_bodies(model.bodies, q, alpha_c, alpha_k, work.rows.arrow)
 
 
 @in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def multiply(model: Model, q: FloatArray, x: FloatArray, work: Workspace, out: FloatArray) -> None:
     """out = M(q) x, after ``factorise`` at the same q."""
-    multiply_bodies(model.bodies, q, x, work.arrow, out)
+    multiply_bodies(model.bodies, q, x, work.rows.arrow, out)
 
 
 @in_space("lcpflex.dynamics.spatial.mechanics")
@@ -81,23 +95,23 @@ def solve_vector(model: Model, work: Workspace, x: FloatArray) -> None:
     dof = model.bodies.dof
     for b in range(len(dof) - 1):
         block = x[dof[b] : dof[b + 1]]
-        solve_block(model.bodies, work.arrow, b, block, block)
+        solve_block(model.bodies, work.rows.arrow, b, block, block)
 
 
 @in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
-def solve_rows(model: Model, work: Rows, first: int, last: int) -> None:
+def solve_rows(model: Model, rows: Rows, first: int, last: int) -> None:
     """solved[r] <- A^-1 rows[r] for first <= r < last."""
-    rows, solved, row_body, dof = work.rows, work.solved, work.row_body, model.bodies.dof
+    J, solved, row_body, dof = rows.J, rows.solved, rows.body, model.bodies.dof
     for r in range(first, last):
         for i in range(2):
             b = row_body[r, i]
             if b < 0:
                 continue
             if dof[b + 1] - dof[b] > N_RIGID:
-                solve_block(model.bodies, work.arrow, b, rows[r, i], solved[r, i])
+                solve_block(model.bodies, rows.arrow, b, J[r, i], solved[r, i])
             else:
-                x, y, t = solve_rigid(work.arrow, b, rows[r, i, 0], rows[r, i, 1], rows[r, i, 2])
+                x, y, t = solve_rigid(rows.arrow, b, J[r, i, 0], J[r, i, 1], J[r, i, 2])
                 solved[r, i, 0] = x
                 solved[r, i, 1] = y
                 solved[r, i, 2] = t
@@ -105,62 +119,76 @@ def solve_rows(model: Model, work: Rows, first: int, last: int) -> None:
 
 @in_space("lcpflex.dynamics.spatial.mechanics")
 @late_kernel
-def whiten_rows(model: Model, work: Workspace, first: int, last: int) -> None:
+def whiten_rows(model: Model, rows: Rows, first: int, last: int) -> None:
     """white[r] <- L^-1 rows[r] for first <= r < last, L L^T = A."""
-    whiten(model.bodies, work.arrow, work.rows, work.row_body, first, last, work.white)
+    whiten(model.bodies, rows.arrow, rows.J, rows.body, first, last, rows.white)
+
+
+@kernel
+def fill_joint_rows(model: Model, t: float, q: FloatArray, u: FloatArray, external: FloatArray, rows: Rows) -> None:
+    """Rows of all joints at (q, u) and time t, which come first, their rates, biases and wrenches."""
+    joint_rows(model, t, q, u, external, rows.J, rows.body, rows.wrench, rows.rate, rows.bias)
 
 
 @in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
-def fill_contact_rows(model: Model, q: FloatArray, n: int, n_joint: int, work: Rows) -> int:
+def fill_contact_rows(model: Model, q: FloatArray, n: int, n_joint: int, rows: Rows) -> int:
     """Rows of the first n contacts of the table at q, behind the joint rows: normals, then tangents where mu > 0.
 
     Returns the number of tangential rows.
     """
-    table = work.table
-    scratch = len(work.rows) - 1
+    table = rows.table
+    scratch = len(rows.J) - 1
     n_tangent = 0
     for k in range(n):
         mu = model.contacts.friction[table.law[k]]
-        work.mu[k] = mu
+        rows.mu[k] = mu
         r = n_joint + k
         s = scratch
         if mu > 0.0:
             s = n_joint + n + n_tangent
-            work.tangent[n_tangent] = k
+            rows.tangent[n_tangent] = k
             n_tangent += 1
-        contact_rows(model, q, table, k, work.rows[r], work.rows[s : s + 1])
+        contact_rows(model, q, table, k, rows.J[r], rows.J[s : s + 1])
         for i in range(2):
-            work.row_body[r, i] = table.body[k, i]
-            work.row_body[s, i] = table.body[k, i]
+            rows.body[r, i] = table.body[k, i]
+            rows.body[s, i] = table.body[k, i]
     return n_tangent
+
+
+@kernel
+def count_rows(rows: Rows, n_joint: int, n_contacts: int, n_tangents: int) -> None:
+    """Say how many rows there are of each kind: those of what has been filled in."""
+    rows.n_joint = n_joint
+    rows.n_contacts = n_contacts
+    rows.n_tangents = n_tangents
 
 
 @in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def contact_biases(
-    model: Model, q: FloatArray, u: FloatArray, n: int, n_tangent: int, n_joint: int, work: Workspace
+    model: Model, q: FloatArray, u: FloatArray, n: int, n_tangent: int, n_joint: int, rows: Rows
 ) -> None:
     """bias[r] = w_N and w_T of the contact rows laid out by ``fill_contact_rows``."""
     tangent = 0
     for k in range(n):
-        w_n, w_t = contact_bias(model, q, u, work.table, k)
-        work.bias[n_joint + k] = w_n
-        if tangent < n_tangent and work.tangent[tangent] == k:
-            work.bias[n_joint + n + tangent] = w_t
+        w_n, w_t = contact_bias(model, q, u, rows.table, k)
+        rows.bias[n_joint + k] = w_n
+        if tangent < n_tangent and rows.tangent[tangent] == k:
+            rows.bias[n_joint + n + tangent] = w_t
             tangent += 1
 
 
 @in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
-def displace(model: Model, work: Workspace, first: int, last: int, p: FloatArray, q: FloatArray) -> None:
-    """q moved by A^-1 W^T p of the rows first..last, ``work.solved``: what impulses are to a velocity."""
-    apply_impulses(work.solved, work.row_body, first, last, p, work.dof, q)
+def displace(model: Model, rows: Rows, first: int, last: int, p: FloatArray, q: FloatArray) -> None:
+    """q moved by A^-1 W^T p of the rows first..last, ``rows.solved``: what impulses are to a velocity."""
+    apply_impulses(rows.solved, rows.body, first, last, p, rows.dof, q)
 
 
 @in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def energies(model: Model, q: FloatArray, u: FloatArray, work: Workspace) -> tuple[float, float, float]:
     """Kinetic, elastic (bodies) and potential (weight, springs) energy [J]."""
-    kinetic, elastic, weight = stored_energies(model.bodies, model.loads, q, u, work.arrow)
+    kinetic, elastic, weight = stored_energies(model.bodies, model.loads, q, u, work.rows.arrow)
     return kinetic, elastic, weight + spring_energy(model, q)

@@ -17,7 +17,7 @@ from __future__ import annotations
 from lcpflex.dynamics.contact_compliance import ContactCompliance, soften
 from lcpflex.dynamics.contact_problem import describe_contacts, lay_as_one
 from lcpflex.dynamics.delassus import delassus, row_velocity
-from lcpflex.dynamics.mechanics import contact_biases, fill_contact_rows
+from lcpflex.dynamics.mechanics import contact_biases, count_rows, fill_contact_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.model.arrays import Model
@@ -60,12 +60,12 @@ def static_part(work: Workspace, flexibility: FloatArray, r: int, q: FloatArray)
     """Share of the static coordinates in rows_r . q [m]."""
     total = 0.0
     for i in range(2):
-        b = work.row_body[r, i]
+        b = work.rows.body[r, i]
         if b >= 0:
-            d = work.dof[b]
-            for k in range(N_RIGID, work.dof[b + 1] - d):
+            d = work.rows.dof[b]
+            for k in range(N_RIGID, work.rows.dof[b + 1] - d):
                 if flexibility[d + k] > 0.0:
-                    total += work.rows[r, i, k] * q[d + k]
+                    total += work.rows.J[r, i, k] * q[d + k]
     return total
 
 
@@ -79,23 +79,23 @@ def held_give(work: Workspace, flexibility: FloatArray, held: FloatArray, r: int
     total = 0.0
     static = 0.0
     for i in range(2):
-        b = work.row_body[r, i]
+        b = work.rows.body[r, i]
         if b >= 0:
-            d = work.dof[b]
-            for k in range(N_RIGID, work.dof[b + 1] - d):
+            d = work.rows.dof[b]
+            for k in range(N_RIGID, work.rows.dof[b + 1] - d):
                 if held[d + k] > 0.0:
-                    total += held[d + k] * work.rows[r, i, k] ** 2
+                    total += held[d + k] * work.rows.J[r, i, k] ** 2
                 elif flexibility[d + k] > 0.0:
-                    static += flexibility[d + k] * work.rows[r, i, k] ** 2
+                    static += flexibility[d + k] * work.rows.J[r, i, k] ** 2
     return max(0.0, GIVE * total - static)
 
 
 @kernel
 def friction_before(work: Workspace, k: int) -> float:
     """Friction of contact k at the end of the step before [N]."""
-    for i in range(work.n_held):
-        if work.held_key[0, i] == work.table.key[k]:
-            return work.held_gap[0, i]
+    for i in range(work.impulses.n_held):
+        if work.impulses.held_key[0, i] == work.rows.table.key[k]:
+            return work.impulses.held_gap[0, i]
     return 0.0
 
 
@@ -103,10 +103,12 @@ def friction_before(work: Workspace, k: int) -> float:
 def given_energy(work: Workspace, flexibility: FloatArray, held: FloatArray, soft: IntArray) -> float:
     """Energy that contacts store by what they give way by themselves [J]."""
     total = 0.0
-    first = work.n_joint
-    for r in range(first, first + work.n_contacts + work.n_tangents):
-        if work.p[r] != 0.0 and (r - first >= work.n_contacts or soft[work.table.law[r - first]] == 0):
-            total += 0.5 * held_give(work, flexibility, held, r) * work.p[r] ** 2
+    first = work.rows.n_joint
+    for r in range(first, first + work.rows.n_contacts + work.rows.n_tangents):
+        if work.impulses.p[r] != 0.0 and (
+            r - first >= work.rows.n_contacts or soft[work.rows.table.law[r - first]] == 0
+        ):
+            total += 0.5 * held_give(work, flexibility, held, r) * work.impulses.p[r] ** 2
     return total
 
 
@@ -115,11 +117,11 @@ def spread(work: Workspace, flexibility: FloatArray, first: int, last: int) -> N
     """solved[r] <- static displacement by a unit force on row r, for first <= r < last."""
     for r in range(first, last):
         for i in range(2):
-            b = work.row_body[r, i]
+            b = work.rows.body[r, i]
             if b >= 0:
-                d = work.dof[b]
-                for k in range(work.dof[b + 1] - d):
-                    work.solved[r, i, k] = flexibility[d + k] * work.rows[r, i, k]
+                d = work.rows.dof[b]
+                for k in range(work.rows.dof[b + 1] - d):
+                    work.rows.solved[r, i, k] = flexibility[d + k] * work.rows.J[r, i, k]
 
 
 @kernel
@@ -137,61 +139,64 @@ def pose_position(
     least: float,
     work: Workspace,
 ) -> int:
-    """Pose the problem of the first n contacts of the table at ``work.middle``, reached with ``work.free_u``.
+    """Pose the problem of the first n contacts of the table at ``work.free.middle``, reached with ``work.free.u``.
 
     Linearised about the static coordinates there, and about the gaps, which must be those there; ``before`` (ndof,) has
     the static coordinates before the step, ``load`` those that forces and torques of the scene make; ``held`` is for
-    :func:`held_give`. Scaled F and gaps go to work.problem; unit: the unit of force [N], and the largest compliance
+    :func:`held_give`. Scaled F and gaps go to posed.problem; unit: the unit of force [N], and the largest compliance
     [m/N]. Returns -1, or the contact that closes without compliance, that is with up to ``least`` [m/N] or a trillionth
     of the largest; one whose gap is no less than -``slack`` stays open.
     """
-    q = work.middle
-    n_joint = len(work.residual)
-    n_tangent = fill_contact_rows(model, q, n, n_joint, work)
+    q = work.free.middle
+    n_joint = len(work.scratch.residual)
+    n_tangent = fill_contact_rows(model, q, n, n_joint, work.rows)
     total = n + n_tangent
-    work.n_joint = n_joint
-    work.n_contacts = n
-    work.n_tangents = n_tangent
+    count_rows(work.rows, n_joint, n, n_tangent)
     lay_as_one(work)
     describe_contacts(work, 0)
     if n_tangent > 0:
-        contact_biases(model, q, work.free_u, n, n_tangent, n_joint, work)
+        contact_biases(model, q, work.free.u, n, n_tangent, n_joint, work.rows)
     spread(work, flexibility, n_joint, n_joint + total)
     delassus(
-        work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], work.part, total, work.problem.delassus
+        work.rows.J[n_joint:],
+        work.rows.solved[n_joint:],
+        work.rows.body[n_joint:],
+        work.posed.part,
+        total,
+        work.posed.problem.delassus,
     )
     softest = 0.0
     for r in range(total):
         give = held_give(work, flexibility, held, n_joint + r)
-        if r < n and compliance.soft[work.table.law[r]] == 1:  # gives way by its law, which asks for its gap
+        if r < n and compliance.soft[work.rows.table.law[r]] == 1:  # gives way by its law, which asks for its gap
             give = 0.0
         if r >= n and step == 0.0:  # at the start, where static coordinates alone remember friction
             give = 0.0
-        work.problem.delassus[r, r] += give
+        work.posed.problem.delassus[r, r] += give
         b = 0.0
         if r < n:
-            b = work.table.gap[r] - static_part(work, flexibility, n_joint + r, q)
+            b = work.rows.table.gap[r] - static_part(work, flexibility, n_joint + r, q)
             b += static_part(work, flexibility, n_joint + r, load)
         else:  # with the row half a step ago, to second order
-            slip = row_velocity(work.rows, work.row_body, n_joint + r, work.dof, work.free_u)
-            b = step * (slip - 0.5 * step * work.bias[n_joint + r])
+            slip = row_velocity(work.rows.J, work.rows.body, n_joint + r, work.rows.dof, work.free.u)
+            b = step * (slip - 0.5 * step * work.rows.bias[n_joint + r])
             b -= static_part(work, flexibility, n_joint + r, before)
-            b -= give * friction_before(work, work.tangent[r - n])
+            b -= give * friction_before(work, work.rows.tangent[r - n])
             b += static_part(work, flexibility, n_joint + r, load)
-        work.problem.free[r] = b
-        softest = max(softest, work.problem.delassus[r, r])
+        work.posed.problem.free[r] = b
+        softest = max(softest, work.posed.problem.delassus[r, r])
     rigid = max(RIGID * softest, least)
     for r in range(total):
-        k = r if r < n else work.tangent[r - n]
-        if not work.problem.delassus[r, r] > rigid and (r >= n or compliance.soft[work.table.law[k]] == 0):
-            if work.problem.delassus[k, k] > rigid or work.problem.free[k] < -slack:
+        k = r if r < n else work.rows.tangent[r - n]
+        if not work.posed.problem.delassus[r, r] > rigid and (r >= n or compliance.soft[work.rows.table.law[k]] == 0):
+            if work.posed.problem.delassus[k, k] > rigid or work.posed.problem.free[k] < -slack:
                 return k
-            work.problem.free[k] = max(work.problem.free[k], 0.0)
+            work.posed.problem.free[k] = max(work.posed.problem.free[k], 0.0)
     soften(compliance, work, n, total)
     largest = 0.0
     for r in range(total):
-        largest = max(largest, abs(work.problem.free[r]))
-        softest = max(softest, work.problem.delassus[r, r])
+        largest = max(largest, abs(work.posed.problem.free[r]))
+        softest = max(softest, work.posed.problem.delassus[r, r])
     if largest == 0.0:
         largest = 1.0
     if softest == 0.0:
@@ -200,37 +205,37 @@ def pose_position(
         unit[0] = largest / softest
         unit[1] = softest
     for r in range(total):
-        work.problem.free[r] /= largest
+        work.posed.problem.free[r] /= largest
         for s in range(total):
-            work.problem.delassus[r, s] /= softest
+            work.posed.problem.delassus[r, s] /= softest
     return -1
 
 
 @kernel
 def split_forces(work: Workspace, unit: FloatArray) -> None:
-    """Forces [N] of the contact rows, work.normal, work.tangential and work.p, from the solution."""
-    n_joint = work.n_joint
-    n = work.n_contacts
+    """Forces [N] of the contact rows, impulses.normal, impulses.tangential and impulses.p, from the solution."""
+    n_joint = work.rows.n_joint
+    n = work.rows.n_contacts
     for k in range(n):
-        work.normal[k] = work.solver.normal[k] * unit[0]
-        work.p[n_joint + k] = work.normal[k]
-    for j in range(work.n_tangents):
-        work.tangential[j] = work.solver.tangential[j] * unit[0]
-        work.p[n_joint + n + j] = work.tangential[j]
+        work.impulses.normal[k] = work.impulses.solver.normal[k] * unit[0]
+        work.impulses.p[n_joint + k] = work.impulses.normal[k]
+    for j in range(work.rows.n_tangents):
+        work.impulses.tangential[j] = work.impulses.solver.tangential[j] * unit[0]
+        work.impulses.p[n_joint + n + j] = work.impulses.tangential[j]
 
 
 @kernel
 def static_response(work: Workspace, flexibility: FloatArray, load: FloatArray, q: FloatArray) -> None:
-    """The static coordinates in q under the forces work.p of the contact rows, beside those that ``load`` holds."""
+    """The static coordinates in q under the forces impulses.p of the contact rows, beside those that ``load`` holds."""
     for i in range(len(q)):
         if flexibility[i] > 0.0:
             q[i] = load[i]
-    n_joint = work.n_joint
-    for r in range(n_joint, n_joint + work.n_contacts + work.n_tangents):
-        if work.p[r] != 0.0:
+    n_joint = work.rows.n_joint
+    for r in range(n_joint, n_joint + work.rows.n_contacts + work.rows.n_tangents):
+        if work.impulses.p[r] != 0.0:
             for i in range(2):
-                b = work.row_body[r, i]
+                b = work.rows.body[r, i]
                 if b >= 0:
-                    d = work.dof[b]
-                    for k in range(N_RIGID, work.dof[b + 1] - d):
-                        q[d + k] += flexibility[d + k] * work.rows[r, i, k] * work.p[r]
+                    d = work.rows.dof[b]
+                    for k in range(N_RIGID, work.rows.dof[b + 1] - d):
+                        q[d + k] += flexibility[d + k] * work.rows.J[r, i, k] * work.impulses.p[r]

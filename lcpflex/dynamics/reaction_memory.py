@@ -70,9 +70,9 @@ def reaction(model: Model, work: Workspace, joint: int, p: FloatArray) -> tuple[
     """(F_x, F_y, M) of one joint with the multipliers p of all rows, by the rows laid."""
     x, y, moment = 0.0, 0.0, 0.0
     for r in range(model.joints.row[joint], model.joints.row[joint + 1]):
-        x += p[r] * work.wrench[r, 0]
-        y += p[r] * work.wrench[r, 1]
-        moment += p[r] * work.wrench[r, 2]
+        x += p[r] * work.rows.wrench[r, 0]
+        y += p[r] * work.rows.wrench[r, 1]
+        moment += p[r] * work.rows.wrench[r, 2]
     return x, y, moment
 
 

@@ -76,10 +76,10 @@ def semidefinite(A: FloatArray, n: int, scale: FloatArray) -> bool:
 @kernel
 def stiffens(work: Workspace, r: int) -> bool:
     """Whether contact row r is a spring in the present solution: a normal that is closed, a tangent that sticks."""
-    n = work.n_contacts
+    n = work.rows.n_contacts
     if r < n:
-        return work.solver.normal[r] > 0.0
-    return sticks(work.problem, work.solver, r - n)
+        return work.impulses.solver.normal[r] > 0.0
+    return sticks(work.posed.problem, work.impulses.solver, r - n)
 
 
 @kernel
@@ -109,11 +109,11 @@ def admissible(
     Joints only lower the frequencies, and are looked at where that decides. Overwrites the factors of M, and the solved
     rows of the contacts.
     """
-    joints = len(work.residual)
+    joints = len(work.scratch.residual)
     fast = fast_modes(model, square, flexibility)
     if fast > 0 and joints == 0:
         return False
-    total = work.n_contacts + work.n_tangents
+    total = work.rows.n_contacts + work.rows.n_tangents
     springs = 0
     for r in range(total):
         if stiffens(work, r):
@@ -123,11 +123,11 @@ def admissible(
     factorise(model, q, 0.0, -1.0 / square, work)
     for r in range(total):
         if stiffens(work, r):
-            solve_rows(model, work, joints + r, joints + r + 1)
+            solve_rows(model, work.rows, joints + r, joints + r + 1)
             clear_static(work, flexibility, joints + r)
     if fast == 0:
         respond_as_springs(work, square, unit, total)
-        if semidefinite(work.G, total, work.problem.delassus):
+        if semidefinite(work.scratch.G, total, work.posed.problem.delassus):
             return True
         if joints == 0:
             return False
@@ -138,33 +138,35 @@ def admissible(
         return True
     respond_as_springs(work, square, unit, total)
     add_held(work, held, n, total, 1.0 / (square * unit[1]))
-    return semidefinite(work.G, total, work.problem.delassus)
+    return semidefinite(work.scratch.G, total, work.posed.problem.delassus)
 
 
 @kernel
 def respond_as_springs(work: Workspace, square: float, unit: FloatArray, total: int) -> None:
-    """work.G <- F - W^T A^-1 W / s of the contact rows that are springs, as if no joint held them; 1 of the others."""
-    joints = len(work.residual)
-    delassus(work.rows[joints:], work.solved[joints:], work.row_body[joints:], work.part, total, work.G)
+    """G <- F - W^T A^-1 W / s of the contact rows that are springs, as if no joint held them; 1 of the others."""
+    joints = len(work.scratch.residual)
+    delassus(
+        work.rows.J[joints:], work.rows.solved[joints:], work.rows.body[joints:], work.posed.part, total, work.scratch.G
+    )
     scale = 1.0 / (square * unit[1])
     for r in range(total):
         for s in range(r + 1):
             if stiffens(work, r) and stiffens(work, s):
-                work.G[r, s] = work.problem.delassus[r, s] - scale * work.G[r, s]
+                work.scratch.G[r, s] = work.posed.problem.delassus[r, s] - scale * work.scratch.G[r, s]
             else:
-                work.G[r, s] = 1.0 if r == s else 0.0
+                work.scratch.G[r, s] = 1.0 if r == s else 0.0
 
 
 @kernel
 def clear_static(work: Workspace, flexibility: FloatArray, r: int) -> None:
     """solved[r] without its static coordinates."""
     for i in range(2):
-        b = work.row_body[r, i]
+        b = work.rows.body[r, i]
         if b >= 0:
-            d = work.dof[b]
-            for k in range(N_RIGID, work.dof[b + 1] - d):
+            d = work.rows.dof[b]
+            for k in range(N_RIGID, work.rows.dof[b + 1] - d):
                 if flexibility[d + k] > 0.0:
-                    work.solved[r, i, k] = 0.0
+                    work.rows.solved[r, i, k] = 0.0
 
 
 @late_kernel
@@ -179,9 +181,11 @@ def factorise_held(
 ) -> int:
     """Eliminate the joints on bodies with modes that are ``fast`` or contacts that are closed; how many rows they have.
 
-    -1: they do not stop so many modes. ``work.arrow`` holds the factors of A.
+    -1: they do not stop so many modes. ``work.rows.arrow`` holds the factors of A.
     """
-    joint_rows(model, 0.0, q, work.free_u, work.external, held.rows, held.row_body, held.wrench, held.rate, held.bias)
+    joint_rows(
+        model, 0.0, q, work.free.u, work.free.external, held.rows, held.row_body, held.wrench, held.rate, held.bias
+    )
     mark_bodies(model, square, flexibility, held, work)
     n = 0
     for r in range(len(held.rate)):
@@ -190,7 +194,7 @@ def factorise_held(
             b = held.row_body[r, i]
             if b >= 0:
                 matters = matters or held.bodies[b] == 1
-                solve_block(model.bodies, work.arrow, b, held.rows[r, i], held.solved[r, i])
+                solve_block(model.bodies, work.rows.arrow, b, held.rows[r, i], held.solved[r, i])
         if matters:
             held.part[n] = r
             n += 1
@@ -203,17 +207,17 @@ def factorise_held(
 def mark_bodies(model: Model, square: float, flexibility: FloatArray, held: HeldRows, work: Workspace) -> None:
     """held.bodies: 1 of each body with a fast mode or a closed contact."""
     bodies = model.bodies
-    joints = len(work.residual)
+    joints = len(work.scratch.residual)
     for b in range(len(bodies.mass)):
         held.bodies[b] = 0
         for i in range(bodies.dof[b] + N_RIGID, bodies.dof[b + 1]):
             if flexibility[i] == 0.0 and not bodies.stiffness[i - N_RIGID * (b + 1)] < square:
                 held.bodies[b] = 1
-    for r in range(work.n_contacts):
+    for r in range(work.rows.n_contacts):
         if stiffens(work, r):
             for i in range(2):
-                if work.row_body[joints + r, i] >= 0:
-                    held.bodies[work.row_body[joints + r, i]] = 1
+                if work.rows.body[joints + r, i] >= 0:
+                    held.bodies[work.rows.body[joints + r, i]] = 1
 
 
 @kernel
@@ -256,8 +260,8 @@ def eliminate(held: HeldRows, n: int) -> int:
 
 @late_kernel
 def add_held(work: Workspace, held: HeldRows, n: int, total: int, scale: float) -> None:
-    """Add to work.G what the n joint rows take from the answer of contact rows that are springs."""
-    joints = len(work.residual)
+    """Add to work.scratch.G what the n joint rows take from the answer of contact rows that are springs."""
+    joints = len(work.scratch.residual)
     for r in range(total):
         if not stiffens(work, r):
             continue
@@ -275,7 +279,7 @@ def add_held(work: Workspace, held: HeldRows, n: int, total: int, scale: float) 
                 other = held.coupling[s]
                 for a in range(n):
                     if held.pivot[a] != 0.0:
-                        work.G[r, s] += scale * own[a] * other[a] / held.pivot[a]
+                        work.scratch.G[r, s] += scale * own[a] * other[a] / held.pivot[a]
 
 
 @kernel
@@ -285,7 +289,7 @@ def coupled(work: Workspace, held: HeldRows, j: int, r: int) -> float:
     for i in range(2):
         b = held.row_body[j, i]
         for k in range(2):
-            if b >= 0 and work.row_body[r, k] == b:
-                for d in range(work.dof[b + 1] - work.dof[b]):
-                    total += held.rows[j, i, d] * work.solved[r, k, d]
+            if b >= 0 and work.rows.body[r, k] == b:
+                for d in range(work.rows.dof[b + 1] - work.rows.dof[b]):
+                    total += held.rows[j, i, d] * work.rows.solved[r, k, d]
     return total

@@ -197,7 +197,7 @@ class Calls:
 
 
 def supplier(callbacks: tuple[Callback, ...], calls: Calls, state_of: Callable[..., Any]) -> Callable[..., None]:
-    """What stands in for the kernel ``supply``: it fills ``work.external`` from Python functions, and counts.
+    """What stands in for the kernel ``supply``: it fills ``work.free.external`` from Python functions, and counts.
 
     state_of: what they are asked at, of t, q and u.
     """
@@ -206,7 +206,7 @@ def supplier(callbacks: tuple[Callback, ...], calls: Calls, state_of: Callable[.
         began = time.perf_counter()
         state = state_of(t, _read_only(q), _read_only(u))
         for callback in callbacks:
-            callback.fill(t, state, work.external)
+            callback.fill(t, state, work.free.external)
         calls.number += len(callbacks)
         calls.time += time.perf_counter() - began
 

@@ -26,7 +26,7 @@ GRAZING = 0.1  # of the largest impulse: a touch of less tells nothing of how lo
 def note_touches(contacts: CompliantContacts, h: float) -> None:
     """Count a step of h [s] with the forces last found; contacts of one law count together, as of one touch."""
     touches = contacts.history.touches
-    if len(touches) > 0 and (contacts.n_contacts > 0 or touches[len(touches) - 1, STEPS] > 0.0):
+    if len(touches) > 0 and (contacts.rows.n_contacts > 0 or touches[len(touches) - 1, STEPS] > 0.0):
         count_step(contacts, h, touches)
 
 
@@ -36,8 +36,8 @@ def count_step(contacts: CompliantContacts, h: float, touches: FloatArray) -> No
     last = len(touches) - 1
     for law in range(last):
         touches[law, OF_STEP] = 0.0
-    for k in range(contacts.n_contacts):
-        touches[contacts.table.law[k], OF_STEP] += h * contacts.p[k, 0]
+    for k in range(contacts.rows.n_contacts):
+        touches[contacts.rows.table.law[k], OF_STEP] += h * contacts.p[k, 0]
     touches[last, STEPS] = 0.0
     for law in range(last):
         now = touches[law, OF_STEP]

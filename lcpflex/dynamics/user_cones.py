@@ -13,7 +13,7 @@ from lcpflex.contact import detection, rows as kinematics
 from lcpflex.contact.narrow_phase import feature
 from lcpflex.contact.spatial.table import SpatialContactTable
 from lcpflex.dynamics import mechanics
-from lcpflex.dynamics.spatial.inertia import SpatialWork
+from lcpflex.dynamics.spatial.inertia import RowsOfSpace
 from lcpflex.dynamics.user_mechanics import Mechanics
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.jit.kernel import FloatArray
@@ -45,32 +45,32 @@ def cone_hooks(system: Mechanics) -> Hooks:
     def within_bounds(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> float:
         return math.inf  # there are no features to leave: a contact is closed where its gap is
 
-    def fill_contact_rows(model: SpatialModel, q: FloatArray, n: int, n_joint: int, work: SpatialWork) -> int:
+    def fill_contact_rows(model: SpatialModel, q: FloatArray, n: int, n_joint: int, rows: RowsOfSpace) -> int:
         if n == 0:
             return 0
-        laws = work.table.law[:n]
-        work.mu[:n] = system.friction[laws]
-        rough = np.flatnonzero(work.mu[:n] > 0.0)
+        laws = rows.table.law[:n]
+        rows.mu[:n] = system.friction[laws]
+        rough = np.flatnonzero(rows.mu[:n] > 0.0)
         n_tangents = 2 * len(rough)
         last = n_joint + n + n_tangents
-        work.tangent[:n_tangents] = np.repeat(rough, 2)
-        work.rows[n_joint : n_joint + n, 0] = system.normals(q)[:, laws].T
+        rows.tangent[:n_tangents] = np.repeat(rough, 2)
+        rows.J[n_joint : n_joint + n, 0] = system.normals(q)[:, laws].T
         if n_tangents:
             across = system.tangents(q)[:, laws[rough]]
-            work.rows[n_joint + n : last, 0] = across.reshape(system.n, n_tangents).T
-        work.row_body[n_joint:last] = (0, -1)
+            rows.J[n_joint + n : last, 0] = across.reshape(system.n, n_tangents).T
+        rows.body[n_joint:last] = (0, -1)
         return n_tangents
 
     def contact_biases(
-        model: SpatialModel, q: FloatArray, u: FloatArray, n: int, n_tangent: int, n_joint: int, work: SpatialWork
+        model: SpatialModel, q: FloatArray, u: FloatArray, n: int, n_tangent: int, n_joint: int, rows: RowsOfSpace
     ) -> None:
         if n == 0:
             return
         w_n, w_t = system.biases(q, u)
-        laws = work.table.law[:n]
-        work.bias[n_joint : n_joint + n] = w_n[laws]
-        rough = work.tangent[:n_tangent:2]
-        work.bias[n_joint + n : n_joint + n + n_tangent] = w_t[laws[rough]].reshape(-1)
+        laws = rows.table.law[:n]
+        rows.bias[n_joint : n_joint + n] = w_n[laws]
+        rough = rows.tangent[:n_tangent:2]
+        rows.bias[n_joint + n : n_joint + n + n_tangent] = w_t[laws[rough]].reshape(-1)
 
     return {
         detection.detect: detect,

@@ -13,7 +13,8 @@ from lcpflex.contact import detection, rows as kinematics
 from lcpflex.contact.detection import ContactTable
 from lcpflex.contact.narrow_phase import feature
 from lcpflex.dynamics import mechanics
-from lcpflex.dynamics.workspace import Rows, Workspace
+from lcpflex.dynamics.rows import Rows
+from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.kinematics import configuration, joint_rows as constraint_rows
@@ -95,8 +96,8 @@ def _configuration_hooks(system: Mechanics) -> Hooks:
     def magnitudes(model: Model, q: FloatArray, out: FloatArray) -> None:
         out[:] = moves.magnitudes(q)
 
-    def displace(model: Model, work: Workspace, first: int, last: int, p: FloatArray, q: FloatArray) -> None:
-        q[:] = moves.moved(q, p[first:last] @ work.solved[first:last, 0, : system.n], 1.0)
+    def displace(model: Model, rows: Rows, first: int, last: int, p: FloatArray, q: FloatArray) -> None:
+        q[:] = moves.moved(q, p[first:last] @ rows.solved[first:last, 0, : system.n], 1.0)
 
     return {
         configuration.advance: advance,
@@ -112,29 +113,29 @@ def _inertia_hooks(system: Mechanics) -> Hooks:
     def forces(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> None:
         given = system.force(t, q, u)
         spring = 0.0 if system.kinematics.own else -system.stiffness @ q
-        work.conservative[:] = spring + (given if system.has_potential else 0.0)
-        work.driving[:] = 0.0 if system.has_potential else given
-        work.dissipative[:] = -system.damping @ u
-        work.total[:] = work.conservative + work.dissipative + work.driving
+        work.free.conservative[:] = spring + (given if system.has_potential else 0.0)
+        work.free.driving[:] = 0.0 if system.has_potential else given
+        work.free.dissipative[:] = -system.damping @ u
+        work.free.total[:] = work.free.conservative + work.free.dissipative + work.free.driving
 
     def factorise(model: Model, q: FloatArray, alpha_c: float, alpha_k: float, work: Workspace) -> None:
         matrix = system.mass(q) + alpha_c * system.damping + alpha_k * system.stiffness
-        cholesky(matrix, system.n, work.dense)
+        cholesky(matrix, system.n, work.rows.dense)
 
     def multiply(model: Model, q: FloatArray, x: FloatArray, work: Workspace, out: FloatArray) -> None:
         out[:] = system.mass(q) @ x
 
     def solve_vector(model: Model, work: Workspace, x: FloatArray) -> None:
-        cholesky_solve(work.dense, len(x), x)
+        cholesky_solve(work.rows.dense, len(x), x)
 
-    def solve_rows(model: Model, work: Rows, first: int, last: int) -> None:
-        work.solved[first:last, 0] = work.rows[first:last, 0]
+    def solve_rows(model: Model, rows: Rows, first: int, last: int) -> None:
+        rows.solved[first:last, 0] = rows.J[first:last, 0]
         for r in range(first, last):
-            cholesky_solve(work.dense, system.n, work.solved[r, 0])
+            cholesky_solve(rows.dense, system.n, rows.solved[r, 0])
 
-    def whiten_rows(model: Model, work: Workspace, first: int, last: int) -> None:
-        lower = np.tril(work.dense[: system.n, : system.n])
-        work.white[first:last, 0, : system.n] = np.linalg.solve(lower, work.rows[first:last, 0, : system.n].T).T
+    def whiten_rows(model: Model, rows: Rows, first: int, last: int) -> None:
+        lower = np.tril(rows.dense[: system.n, : system.n])
+        rows.white[first:last, 0, : system.n] = np.linalg.solve(lower, rows.J[first:last, 0, : system.n].T).T
 
     def energies(model: Model, q: FloatArray, u: FloatArray, work: Workspace) -> tuple[float, float, float]:
         kinetic = 0.5 * float(u @ system.mass(q) @ u)
@@ -175,29 +176,29 @@ def _contact_hooks(system: Mechanics) -> Hooks:
     def contact_point(model: Model, q: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
         return np.nan, np.nan
 
-    def fill_contact_rows(model: Model, q: FloatArray, n: int, n_joint: int, work: Rows) -> int:
+    def fill_contact_rows(model: Model, q: FloatArray, n: int, n_joint: int, rows: Rows) -> int:
         if n == 0:
             return 0
-        laws = work.table.law[:n]
-        work.mu[:n] = system.friction[laws]
-        rough = np.flatnonzero(work.mu[:n] > 0.0)
-        work.tangent[: len(rough)] = rough
+        laws = rows.table.law[:n]
+        rows.mu[:n] = system.friction[laws]
+        rough = np.flatnonzero(rows.mu[:n] > 0.0)
+        rows.tangent[: len(rough)] = rough
         last = n_joint + n + len(rough)
-        work.rows[n_joint : n_joint + n, 0] = system.normals(q)[:, laws].T
+        rows.J[n_joint : n_joint + n, 0] = system.normals(q)[:, laws].T
         if len(rough):
-            work.rows[n_joint + n : last, 0] = system.tangents(q)[:, laws[rough]].T
-        work.row_body[n_joint:last] = (0, -1)
+            rows.J[n_joint + n : last, 0] = system.tangents(q)[:, laws[rough]].T
+        rows.body[n_joint:last] = (0, -1)
         return len(rough)
 
     def contact_biases(
-        model: Model, q: FloatArray, u: FloatArray, n: int, n_tangent: int, n_joint: int, work: Workspace
+        model: Model, q: FloatArray, u: FloatArray, n: int, n_tangent: int, n_joint: int, rows: Rows
     ) -> None:
         if n == 0:
             return
         w_n, w_t = system.biases(q, u)
-        laws = work.table.law[:n]
-        work.bias[n_joint : n_joint + n] = w_n[laws]
-        work.bias[n_joint + n : n_joint + n + n_tangent] = w_t[laws[work.tangent[:n_tangent]]]
+        laws = rows.table.law[:n]
+        rows.bias[n_joint : n_joint + n] = w_n[laws]
+        rows.bias[n_joint + n : n_joint + n + n_tangent] = w_t[laws[rows.tangent[:n_tangent]]]
 
     return {
         detection.detect: detect,

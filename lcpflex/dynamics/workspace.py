@@ -2,114 +2,46 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
-from lcpflex.dynamics.inertia import Arrow
-from lcpflex.dynamics.islands import Islands, islands
-from lcpflex.dynamics.joint_factor import JointFactor, JointPattern, joint_factor
-from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.jit.struct import allocate, array, spatial, struct
+from lcpflex.dynamics.islands import islands
+from lcpflex.dynamics.joint_factor import JointPattern, joint_factor
+from lcpflex.dynamics.owners import FreeMotion, Impulses, Posed, Scratch
+from lcpflex.dynamics.rows import Rows, SpatialRows
+from lcpflex.jit.struct import allocate, spatial, struct
 from lcpflex.solvers.contact.large.memory import BodyContacts, LargeMemory, grown, large_memory
-from lcpflex.solvers.contact.memory import ContactData, Remembered, SolverMemory, contact_data, prepare
+from lcpflex.solvers.contact.memory import ContactData, contact_data, prepare
 from lcpflex.solvers.contact.recollection import remembered
 
-__all__ = ["DENSE", "DOUBTFUL_CONTACTS", "Rows", "SpatialWorkspace", "Workspace", "workspace"]
+__all__ = ["DENSE", "DOUBTFUL_CONTACTS", "SpatialWorkspace", "Workspace", "workspace"]
 
 NO_LIMIT = 2**40
 DENSE = 20  # contacts of the largest island that is solved densely where another way is known
 DOUBTFUL_CONTACTS = 3  # of problems that are tested for several solutions
-DOUBTFUL_KEPT, DOUBTFUL_SIZE = 32, 64
-DOUBTFUL_KINDS = 16
 
 
 @struct
 class Workspace:
-    """Memory for a number of contacts; tangents: one of each, two in space; pairs: contacts and tangents.
+    """Memory for a number of contacts, by owner: who may write what is said in :mod:`lcpflex.dynamics.owners`.
 
-    rows = joint rows + pairs + constraint rows of scratch at the end, one for each tangent of a contact. dense: as
-    pairs, of the largest problem.
+    Dimensions are contacts; tangents: one of each, two in space; pairs: contacts and tangents; rows = joint rows +
+    pairs + constraint rows of scratch at the end, one for each tangent of a contact. dense: as pairs, of the largest
+    problem.
     """
 
-    dof: IntArray  # (nb + 1,)
-    external: FloatArray = array("slots", 3)  # values, rates, accelerations supplied by callbacks
-    span: FloatArray = array(2)  # [s] before and after the time asked for over which forces in time are averaged
-    table: ContactTable
-    arrow: Arrow
-    dense: FloatArray  # Cholesky factor of the matrix of a step; user-defined systems only
-    middle: FloatArray = array("nq")  # configuration at which the step is linearised
-    ahead: FloatArray = array("nq")  # configuration at which contacts are detected
-    free_u: FloatArray = array("ndof")  # velocity without constraint impulses
-    conservative: FloatArray = array("ndof")  # generalised forces by kind
-    dissipative: FloatArray = array("ndof")
-    driving: FloatArray = array("ndof")
-    total: FloatArray = array("ndof")
-    rows: FloatArray = array("rows", 2, "width")
-    solved: FloatArray = array("rows", 2, "width")  # A^-1 rows
-    white: FloatArray = array("white", 2, "width")  # L^-1 rows, A = L L^T; where there may be large islands
-    row_body: IntArray  # (R, 2)
-    wrench: FloatArray = array("joints", "reaction")  # of a multiplier 1 of each joint row: force, moment on P's body
-    rate: FloatArray = array("rows")  # partial time derivatives of the joint constraints
-    bias: FloatArray = array("rows")
-    residual: FloatArray = array("joints")  # phi
-    joints: JointFactor
-    islands: Islands
-    part: IntArray = array("dense")  # contact rows of the present problem
-    G: FloatArray = array("dense", "dense")  # of contact rows; scratch
-    free: FloatArray = array("rows")
-    terms: FloatArray = array("pairs")  # of each contact row, see ContactData
-    mu: FloatArray = array("contacts")
-    tangent: IntArray = array("tangents")  # the contact that each tangential row belongs to
-    tangent_of: IntArray = array("contacts")  # tangential row of each contact, the first one in space; -1: none
-    mode: IntArray = array("contacts")  # where ``on_sets`` counts; see lcpflex.solvers.contact.index_sets
-    least: FloatArray = array("contacts")  # normal forces, where ``shifted`` counts
-    counted: FloatArray = array("contacts")  # normal forces that ``free`` holds already, where ``lifted`` counts
-    own: FloatArray = array("contacts")  # G_NN of each contact, of its island
-    effect: FloatArray = array("contacts")  # its normal velocity (or acceleration, ...) without contact forces
-    sunk: FloatArray = array("contacts")  # drift of each contact to be taken out, 0: none
-    closed: IntArray = array("contacts")
-    held_key: IntArray = array(2, "contacts")  # of the contacts that stayed closed over the last step; scratch
-    held_gap: FloatArray = array(2, "contacts")  # and the gap, <= 0, that each is held at [m]
-    drift: FloatArray = array("contacts")  # of closed contacts, from the gap that each is held at [m]; scratch
-    problem: ContactData  # that of an island
-    solver: SolverMemory
-    remembered: Remembered
-    large: BodyContacts  # the problem of an island that is not solved densely; its arrays are those of all rows
-    large_solver: LargeMemory
-    dense_limit: int  # contacts of the largest island that is solved densely at once
-    strict_large: int  # 1: a large island that is not solved is an error
-    unsolved_large: int  # 1: it was an error
-    wants_start: int  # 1: a large island that nothing is remembered of was not solved: its start is to be sought
-    has_start: int  # 1: the present large island begins from ``p`` as it is
-    unsolved: int  # large islands of the present step that were not solved to the tolerance
-    aside: FloatArray = array("white", 3)  # impulses, right-hand sides and their terms kept while others are sought
-    marked: IntArray = array("bodies")  # of the present large island
-    normal: FloatArray = array("contacts")  # forces where contacts give way [N]
-    tangential: FloatArray = array("tangents")
-    p: FloatArray = array("rows")  # impulses or forces of all rows
-    recalled: FloatArray = array("joints")  # impulses of joint rows in the step before
-    n_joint: int  # joint rows of this step
-    n_contacts: int
-    n_tangents: int  # tangential rows
-    on_sets: int  # of the problems to be posed, see ContactData
-    shifted: int
-    lifted: int
-    number: int  # why the last problem was not solved
-    most: int  # contacts of the largest island so far that is solved densely
-    largest: int  # and of all
-    n_held: int  # contacts that stayed closed over the last step
-    stopped: float  # fastest approach so far that was stopped, being slow, and not reflected [m/s]
-    doubtful: FloatArray = array(DOUBTFUL_KEPT, DOUBTFUL_SIZE)  # problems that may have several solutions
-    n_doubtful: int
-    doubtful_kind: IntArray = array(DOUBTFUL_KINDS)  # of the last problem with a first contact of such a key
+    rows: Rows
+    free: FreeMotion
+    posed: Posed
+    impulses: Impulses
+    scratch: Scratch
     compliant: CompliantContacts  # beside the rigid contacts, in a table of their own
 
 
 SpatialWorkspace = spatial(Workspace)
-Rows = Workspace | CompliantContacts  # both hold a table, rows and factors, by the same names
 
 
 def workspace(
@@ -127,7 +59,7 @@ def workspace(
     ``dense``: contacts that one problem may have. ``before``: a smaller one; what its solver knows goes on.
     """
     capacity = len(table.key)
-    dof = compliant.dof
+    dof = compliant.rows.dof
     ndof = int(dof[-1])
     in_space = not isinstance(table, ContactTable)
     each = 3 if in_space else 2  # rows of a contact
@@ -147,64 +79,100 @@ def workspace(
         "dense": each * dense,
         "bodies": len(dof) - 1,
     }
-    most = 0 if before is None else max(before.largest, capacity // 2)  # room is twice what is needed
-    large = before is not None and most > before.dense_limit
+    most = 0 if before is None else max(before.impulses.largest, capacity // 2)  # room is twice what is needed
+    large = before is not None and most > before.impulses.dense_limit
     sizes["white"] = sizes["rows"] if large else 0
-    laid = {
-        "rows": np.zeros((sizes["rows"], 2, sizes["width"])),
-        "solved": np.zeros((sizes["rows"], 2, sizes["width"])),
-    }
-    shared: dict[str, Any] = {
-        "white": np.zeros((sizes["white"], 2, sizes["width"])),
-        "row_body": np.full((sizes["rows"], 2), -1, dtype=np.int64),
-        "free": np.zeros(sizes["rows"]),
-        "p": np.zeros(sizes["rows"]),
-        "terms": np.zeros(sizes["pairs"]),
-    }
+    rows = allocate(
+        SpatialRows if in_space else Rows,
+        sizes,
+        dof=dof,
+        table=table,
+        arrow=compliant.rows.arrow,
+        dense=compliant.rows.dense,
+        joints=joints,
+        body=np.full((sizes["rows"], 2), -1, dtype=np.int64),
+    )
+    free, problem = allocate(FreeMotion, sizes), _problem(dense, in_space)
+    impulses = _impulses(sizes, rows, problem, in_space, before.impulses if before else None)
+    return allocate(
+        SpatialWorkspace if in_space else Workspace,
+        sizes,
+        rows=rows,
+        free=free,
+        posed=allocate(
+            Posed,
+            sizes,
+            islands=islands(len(dof) - 1, capacity, n_joint),
+            problem=problem,
+            large=_large(sizes, rows, free, impulses),
+        ),
+        impulses=impulses,
+        scratch=allocate(Scratch, sizes),
+        compliant=compliant,
+    )
+
+
+def _problem(dense: int, in_space: bool) -> ContactData:
+    """Room for a problem of so many contacts."""
+    if not in_space:
+        return contact_data(dense)
+    from lcpflex.solvers.contact.cones.memory import cone_data
+
+    own: Any = cone_data(dense)
+    return cast(ContactData, own)
+
+
+def _impulses(
+    sizes: dict[str, int], rows: Rows, problem: ContactData, in_space: bool, before: Impulses | None
+) -> Impulses:
+    """Impulses of as many rows, and solvers; what those ``before`` know and want goes on."""
+    capacity = sizes["contacts"]
     known: Any = before.solver if before else None
     recalled: Any = before.remembered if before else None
     solving: dict[str, Any]
     if in_space:
-        from lcpflex.solvers.contact.cones.memory import cone_data, cone_memory, remembered_cones
+        from lcpflex.solvers.contact.cones.memory import cone_memory, remembered_cones
         from lcpflex.solvers.contact.operators.scene import scene_rows
 
-        posed = cone_data(dense)
-        scene = scene_rows(capacity, row_body=shared["row_body"], dof=dof, **laid)
-        cones = {"problem": posed, "solver": cone_memory(capacity, posed, scene, known)}
-        solving = {**cones, "remembered": remembered_cones(capacity, recalled)}
+        posed: Any = problem
+        scene = scene_rows(capacity, rows=rows.J, solved=rows.solved, row_body=rows.body, dof=rows.dof)
+        solving = {"solver": cone_memory(capacity, posed, scene, known)}
+        solving |= {"remembered": remembered_cones(capacity, recalled)}
     else:
-        pairs = {"problem": contact_data(dense), "solver": prepare(dense, known)}
-        solving = {**pairs, "remembered": remembered(capacity, recalled)}
+        dense = sizes["dense"] // 2
+        solving = {"solver": prepare(dense, known), "remembered": remembered(capacity, recalled)}
     return allocate(
-        SpatialWorkspace if in_space else Workspace,
+        Impulses,
         sizes,
-        dof=dof,
-        table=table,
-        arrow=compliant.arrow,
-        dense=compliant.dense,
-        joints=joints,
-        islands=islands(len(dof) - 1, capacity, n_joint),
-        large=_large(sizes, solving["solver"].group.slip if in_space else np.zeros(0), dof=dof, **shared),
-        large_solver=_large_solver(sizes, before, each),
+        large_solver=_large_solver(sizes, before, 3 if in_space else 2),
         dense_limit=before.dense_limit if before else NO_LIMIT,
         strict_large=before.strict_large if before else 0,
         most=before.most if before else 0,
         largest=before.largest if before else 0,
-        compliant=compliant,
         **solving,
-        **laid,
-        **shared,
     )
 
 
-def _large(sizes: dict[str, int], slip: FloatArray, **shared: Any) -> BodyContacts:
+def _large(sizes: dict[str, int], rows: Rows, free: FreeMotion, impulses: Impulses) -> BodyContacts:
     """The problem of a large island, over the rows of the workspace."""
     room = 1 if sizes["white"] else 0
     own = {name: room * sizes[name] for name in ("contacts", "joints", "bodies")}
-    return allocate(BodyContacts, own, first_contact=sizes["joints"], slip=slip, **shared)
+    group = getattr(impulses.solver, "group", None)  # in space
+    return allocate(
+        BodyContacts,
+        own,
+        dof=rows.dof,
+        white=rows.white,
+        row_body=rows.body,
+        free=free.v,
+        terms=free.terms,
+        p=impulses.p,
+        first_contact=sizes["joints"],
+        slip=np.zeros(0) if group is None else group.slip,
+    )
 
 
-def _large_solver(sizes: dict[str, int], before: Workspace | None, rows: int) -> LargeMemory:
+def _large_solver(sizes: dict[str, int], before: Impulses | None, rows: int) -> LargeMemory:
     """Its memory; what one before it knows and wants goes on."""
     room = 1 if sizes["white"] else 0
     units, bodies = room * (sizes["contacts"] + sizes["joints"]), room * sizes["bodies"]

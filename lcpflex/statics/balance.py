@@ -18,7 +18,7 @@ from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics import mechanics
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
+from lcpflex.kinematics.joint_rows import joint_residual
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
@@ -72,7 +72,7 @@ class Balance:
 
     def look(self, q: FloatArray, margin: float) -> Configuration:
         """Forces and rows at q (ndof,), with all contacts whose gap is ``margin`` [m] at most."""
-        while (found := int(detect(self.model, q, margin, self._work.table))) > len(self._work.table.key):
+        while (found := int(detect(self.model, q, margin, self._work.rows.table))) > len(self._work.rows.table.key):
             self._work = self._system.workspace(2 * found)
         self.n_contacts = found
         return self.again(q)
@@ -81,25 +81,25 @@ class Balance:
         """Forces and rows at q (ndof,), with the contacts found last."""
         work, n = self._work, self.n_contacts
         self._lay(q)
-        n_joint = len(work.residual)
-        n_tangent = int(work.n_tangents)
+        n_joint = len(work.scratch.residual)
+        n_tangent = int(work.rows.n_tangents)
         total = n_joint + n + n_tangent
         rows = np.zeros((total, len(q) + 1))
         columns = self._columns(total)
         each = np.arange(total)[:, None]
         for side in range(2):
-            np.add.at(rows, (each, columns[:, side]), work.rows[:total, side])
-        rows, phi = rows[:, :-1].copy(), work.residual.copy()
+            np.add.at(rows, (each, columns[:, side]), work.rows.J[:total, side])
+        rows, phi = rows[:, :-1].copy(), work.scratch.residual.copy()
         if self.push is not None:
             rows = np.insert(rows, n_joint, self.push[0], axis=0)
             phi = np.append(phi, self.push[0] @ q - self.push[1])
         return Configuration(
             q=q.copy(),
-            force=work.total.copy(),
+            force=work.free.total.copy(),
             phi=phi,
-            gap=work.table.gap[:n].copy(),
-            friction=work.mu[:n].copy(),
-            tangent=work.tangent[:n_tangent].copy(),
+            gap=work.rows.table.gap[:n].copy(),
+            friction=work.rows.mu[:n].copy(),
+            tangent=work.rows.tangent[:n_tangent].copy(),
             rows=rows,
         )
 
@@ -108,32 +108,32 @@ class Balance:
         self._lay(q)
         pushed = np.zeros(len(q))
         if self.push is not None:
-            n_joint = len(self._work.residual)
+            n_joint = len(self._work.scratch.residual)
             pushed, p = p[n_joint] * self.push[0], np.delete(p, n_joint)
         columns = self._columns(len(p))
-        parts = (self._work.rows[: len(p)] * p[:, None, None]).ravel()
+        parts = (self._work.rows.J[: len(p)] * p[:, None, None]).ravel()
         held = np.bincount(columns.ravel(), weights=parts, minlength=len(q) + 1)[:-1]
-        return np.asarray(self._work.total + pushed + held)
+        return np.asarray(self._work.free.total + pushed + held)
 
     def _lay(self, q: FloatArray) -> None:
-        """Forces to ``work.total``, rows of joints and contacts to ``work.rows``."""
+        """Forces to ``work.free.total``, rows of joints and contacts to ``work.rows.J``."""
         model, work, n = self.model, self._work, self.n_contacts
-        n_joint = len(work.residual)
+        n_joint = len(work.scratch.residual)
         if self._supply is not None:
             self._supply(model, self.time, q, self._still, work)
         mechanics.forces(model, self.time, q, self._still, work)
         if n_joint:
-            rows = work.rows, work.row_body, work.wrench, work.rate, work.bias
-            joint_rows(model, self.time, q, self._still, work.external, *rows)
-            joint_residual(model, self.time, q, work.external, work.residual)
+            mechanics.fill_joint_rows(model, self.time, q, self._still, work.free.external, work.rows)
+            joint_residual(model, self.time, q, work.free.external, work.scratch.residual)
         for k in range(n):
-            refresh(model, q, work.table, k)
-        work.n_tangents = mechanics.fill_contact_rows(model, q, n, n_joint, work) if n else 0
+            refresh(model, q, work.rows.table, k)
+        n_tangent = mechanics.fill_contact_rows(model, q, n, n_joint, work.rows) if n else 0
+        mechanics.count_rows(work.rows, n_joint, n, n_tangent)
 
     def _columns(self, total: int) -> IntArray:
-        """(total, 2, width) of each entry of ``work.rows`` among the ndof; ndof where there is none."""
-        dof, bodies = self._work.dof, self._work.row_body[:total]
+        """(total, 2, width) of each entry of ``work.rows.J`` among the ndof; ndof where there is none."""
+        dof, bodies = self._work.rows.dof, self._work.rows.body[:total]
         known = np.maximum(bodies, 0)
-        columns = dof[known][:, :, None] + np.arange(self._work.rows.shape[2])
+        columns = dof[known][:, :, None] + np.arange(self._work.rows.J.shape[2])
         columns[(columns >= dof[known + 1][:, :, None]) | (bodies < 0)[:, :, None]] = len(self._still)
         return np.asarray(columns)

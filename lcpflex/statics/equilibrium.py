@@ -224,9 +224,9 @@ def _refuse_moving_drives(balance: Balance, size: float, q: FloatArray) -> None:
     joints = balance.model.joints
     for joint, name in enumerate(balance.compiled.layout.joints):
         for r in range(joints.row[joint], joints.row[joint + 1]):
-            if abs(balance.work.rate[r]) > STILL * max(size, 1.0):
+            if abs(balance.work.rows.rate[r]) > STILL * max(size, 1.0):
                 raise ModelError(
-                    f"joint {name!r}: its drive moves at t = 0 with {-balance.work.rate[r]:.4g} a second, "
+                    f"joint {name!r}: its drive moves at t = 0 with {-balance.work.rows.rate[r]:.4g} a second, "
                     "expected one that stands: nothing rests with it; or time=, at which it is held"
                 )
 

@@ -152,7 +152,7 @@ class Path:
 
     def _keys(self, at: Configuration) -> list[tuple[int, int]]:
         """Of the rows of joints, normals and tangents, the same from step to step."""
-        own = self.balance.work.table.key[: at.n_contacts].tolist()
+        own = self.balance.work.rows.table.key[: at.n_contacts].tolist()
         joints = [(0, r) for r in range(at.n_joint)]
         return joints + [(1, key) for key in own] + [(2, own[k]) for k in at.tangent]
 
@@ -194,7 +194,7 @@ class Path:
         moved = self.scales.moved(dq)
         damping = alpha * (M @ dq)
         missed = self.balance.pull(here.at.q + dq, p) - damping
-        gaps = self.balance.work.table.gap[: here.at.n_contacts]
+        gaps = self.balance.work.rows.table.gap[: here.at.n_contacts]
         sunk = float(np.max(np.minimum(here.at.gap, 0.0) - gaps, initial=0.0))
         if sunk > SUNK * moved + ROUNDING * self.scales.size:
             return False

@@ -60,7 +60,7 @@ def rest_at(compiled: CompiledScene, balance: Balance, scales: Scales, path: Pat
     def ways(directions: FloatArray) -> tuple[str, ...]:
         return tuple(what_moves(compiled.layout.bodies, dof, scales, q, way) for way in directions)
 
-    shut = frozenset(balance.work.table.key[: at.n_contacts][closed].tolist())
+    shut = frozenset(balance.work.rows.table.key[: at.n_contacts][closed].tolist())
     trace = Trace(path.multipliers(at, forces.p), shut, found.family)
     q.setflags(write=False)
     return Rest(
@@ -89,7 +89,7 @@ def _contacts(
     forces: SharedForces,
 ) -> tuple[ContactAtRest, ...]:
     """Each declared contact with its closed places."""
-    table, r, n = balance.work.table, at.n_joint, at.n_contacts
+    table, r, n = balance.work.rows.table, at.n_joint, at.n_contacts
     tangential, sticks = np.zeros(n), np.zeros(n, bool)
     tangential[at.tangent], sticks[at.tangent] = forces.p[r + n :], forces.sticks
     own = forces.unique[r : r + n].copy()

@@ -77,7 +77,7 @@ def acting_on(balance: Balance, scales: Scales, at: Configuration, p: FloatArray
     model = balance.model
     loads, bodies = model.loads, model.bodies
     on = bodies.mass * float(np.hypot(*loads.gravity))
-    own = np.abs(balance.work.driving / scales.arm)
+    own = np.abs(balance.work.free.driving / scales.arm)
     for b in range(len(bodies.mass)):
         first, last = int(bodies.dof[b]) + N_RIGID, int(bodies.dof[b + 1])
         modes = slice(first - N_RIGID * (b + 1), last - N_RIGID * (b + 1))

@@ -36,7 +36,7 @@ class Slip:
         found = np.zeros(len(at.tangent))
         if not self._by_key:
             return found
-        table = self._balance.work.table
+        table = self._balance.work.rows.table
         for j, k in enumerate(at.tangent.tolist()):
             key = int(table.key[k])
             found[j] = self._by_key[key] if key in self._by_key else self._of_neighbour(at, k)
@@ -49,7 +49,7 @@ class Slip:
         """
         if not self._counted:
             return
-        table, r, n = self._balance.work.table, at.n_joint, at.n_contacts
+        table, r, n = self._balance.work.rows.table, at.n_joint, at.n_contacts
         slip = self.so_far(at) + at.rows[r + n :] @ dq
         self._by_key, self._pressed, self._near = {}, [], NEAR * moved
         for j, k in enumerate(at.tangent.tolist()):
@@ -60,7 +60,7 @@ class Slip:
 
     def _of_neighbour(self, at: Configuration, k: int) -> float:
         """Of the pressed contact that went on as contact k, on the next piece of its surface; 0 where there is none."""
-        table = self._balance.work.table
+        table = self._balance.work.rows.table
         place = np.array(contact_point(self._balance.model, at.q, table, k))
         near = [
             (float(np.hypot(*(place - there))), slip) for law, there, slip in self._pressed if law == int(table.law[k])

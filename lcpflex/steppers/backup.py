@@ -64,27 +64,27 @@ def save(scheme: Any, work: Workspace, recorder: Recorder, kept: Backup) -> None
     for law in range(len(recorder.total_impulse)):
         for i in range(kept.total_impulse.shape[1]):
             kept.total_impulse[law, i] = recorder.total_impulse[law, i]
-    kept.n_held = work.n_held
-    for k in range(work.n_held):
-        kept.held_key[k] = work.held_key[0, k]
-        kept.held_gap[k] = work.held_gap[0, k]
+    kept.n_held = work.impulses.n_held
+    for k in range(work.impulses.n_held):
+        kept.held_key[k] = work.impulses.held_key[0, k]
+        kept.held_gap[k] = work.impulses.held_gap[0, k]
 
 
 @kernel
 def restore(scheme: Any, work: Workspace, recorder: Recorder, kept: Backup) -> None:
     """Undo everything since ``save``."""
-    forget_islands(work.islands)
-    work.unsolved = 0
+    forget_islands(work.posed.islands)
+    work.impulses.unsolved = 0
     copy_parts(kept.scheme, scheme)
     copy_parts(kept.counts, recorder.counts)
     copy_parts(kept.reactions, recorder.reactions)
     for law in range(len(recorder.total_impulse)):
         for i in range(kept.total_impulse.shape[1]):
             recorder.total_impulse[law, i] = kept.total_impulse[law, i]
-    work.n_held = kept.n_held
+    work.impulses.n_held = kept.n_held
     for k in range(kept.n_held):
-        work.held_key[0, k] = kept.held_key[k]
-        work.held_gap[0, k] = kept.held_gap[k]
+        work.impulses.held_key[0, k] = kept.held_key[k]
+        work.impulses.held_gap[0, k] = kept.held_gap[k]
 
 
 @kernel

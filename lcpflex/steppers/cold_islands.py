@@ -19,11 +19,11 @@ __all__ = ["give_start"]
 
 
 def give_start(work: Workspace) -> None:
-    """Impulses to ``work.p`` of the present large island, which has no joints, by the whole chain of Auto.
+    """Impulses to ``work.impulses.p`` of the present large island, which has no joints, by the whole chain of Auto.
 
     They are only where the compiled solver begins anew; what it makes of them is judged as always.
     """
-    memory, large = work.large_solver, work.large
+    memory, large = work.impulses.large_solver, work.posed.large
     count = int(large.n_contacts)
     group = memory.group
     rough = np.flatnonzero(group.mu[:count] > 0.0)
@@ -31,10 +31,10 @@ def give_start(work: Workspace) -> None:
     problem = ContactProblem(None, free, group.mu[:count], factor=_factor(memory.op, count, rough))
     normal, tangential = problem.forces(Auto(factors=int(memory.search.factor_limit)).solve(problem).z)
     scale, tangents = memory.scale[:count], large.tangent_row[:count]
-    work.p[tangents[tangents >= 0]] = 0.0
-    work.p[large.normal_row[:count]] = normal * scale
-    work.p[tangents[rough]] = tangential * scale[rough]
-    work.wants_start, work.has_start = 0, 1
+    work.impulses.p[tangents[tangents >= 0]] = 0.0
+    work.impulses.p[large.normal_row[:count]] = normal * scale
+    work.impulses.p[tangents[rough]] = tangential * scale[rough]
+    work.impulses.wants_start, work.impulses.has_start = 0, 1
 
 
 def _factor(op: Bodies, count: int, rough: IntArray) -> libs.sparse.csr_array:

@@ -7,7 +7,8 @@ it is of another kind than the one before: other sets, another sign of what is f
 
 from __future__ import annotations
 
-from lcpflex.dynamics.workspace import DOUBTFUL_CONTACTS, DOUBTFUL_KINDS, Workspace
+from lcpflex.dynamics.owners import DOUBTFUL_KINDS
+from lcpflex.dynamics.workspace import DOUBTFUL_CONTACTS, Workspace
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.solvers.contact.compiled import motion_of
 
@@ -19,49 +20,53 @@ COUPLED = 0.5  # mu |G_NT| / G_NN of a contact from which on its problems are lo
 @kernel
 def keep_doubtful(work: Workspace, t: float) -> None:
     """Keep the contact problem just solved, of the step from time ``t`` [s], where it may have several solutions."""
-    n, n_tangents = work.problem.n_contacts, work.problem.n_tangents
+    n, n_tangents = work.posed.problem.n_contacts, work.posed.problem.n_tangents
     if n_tangents == 0 or n > DOUBTFUL_CONTACTS:
         return
     kind = n
     coupled = False
-    place = work.problem.key[0] % DOUBTFUL_KINDS
+    place = work.posed.problem.key[0] % DOUBTFUL_KINDS
     for j in range(n_tangents):
-        k = work.problem.tangent[j]
-        c = work.problem.friction[k] * abs(work.problem.delassus[k, n + j])
-        coupled = coupled or c > COUPLED * work.problem.delassus[k, k]
-        kind = 2 * kind + (1 if c > work.problem.delassus[k, k] else 0)
+        k = work.posed.problem.tangent[j]
+        c = work.posed.problem.friction[k] * abs(work.posed.problem.delassus[k, n + j])
+        coupled = coupled or c > COUPLED * work.posed.problem.delassus[k, k]
+        kind = 2 * kind + (1 if c > work.posed.problem.delassus[k, k] else 0)
     if not coupled:
-        work.doubtful_kind[place] = 0
+        work.impulses.doubtful_kind[place] = 0
         return
     for k in range(n):
-        kind = 4 * kind + (2 if work.problem.free[k] < 0.0 else 0) + (1 if work.solver.normal[k] > 0.0 else 0)
+        kind = (
+            4 * kind
+            + (2 if work.posed.problem.free[k] < 0.0 else 0)
+            + (1 if work.impulses.solver.normal[k] > 0.0 else 0)
+        )
     for j in range(n_tangents):
-        kind = 4 * kind + motion_of(work.problem, work.solver, j)
-    if kind == work.doubtful_kind[place]:
+        kind = 4 * kind + motion_of(work.posed.problem, work.impulses.solver, j)
+    if kind == work.impulses.doubtful_kind[place]:
         return
-    work.doubtful_kind[place] = kind
-    if work.n_doubtful < len(work.doubtful):
-        write_problem(work, t, work.doubtful[work.n_doubtful])
-        work.n_doubtful += 1
+    work.impulses.doubtful_kind[place] = kind
+    if work.impulses.n_doubtful < len(work.impulses.doubtful):
+        write_problem(work, t, work.impulses.doubtful[work.impulses.n_doubtful])
+        work.impulses.n_doubtful += 1
 
 
 @late_kernel
 def write_problem(work: Workspace, t: float, row: FloatArray) -> None:
     """Time, sizes, laws, friction, free velocities, Delassus operator and forces, one after the other."""
-    n = work.problem.n_contacts
-    m = n + work.problem.n_tangents
+    n = work.posed.problem.n_contacts
+    m = n + work.posed.problem.n_tangents
     row[0], row[1], row[2] = t, n, m
     at = 3
     for k in range(n):
-        row[at + k] = work.problem.pair[k]
-        row[at + n + k] = work.problem.friction[k]
+        row[at + k] = work.posed.problem.pair[k]
+        row[at + n + k] = work.posed.problem.friction[k]
     at += 2 * n
     for r in range(m):
-        row[at + r] = work.problem.free[r]
+        row[at + r] = work.posed.problem.free[r]
         for s in range(m):
-            row[at + m + r * m + s] = work.problem.delassus[r, s]
+            row[at + m + r * m + s] = work.posed.problem.delassus[r, s]
     at += m + m * m
     for k in range(n):
-        row[at + k] = work.solver.normal[k]
+        row[at + k] = work.impulses.solver.normal[k]
     for j in range(m - n):
-        row[at + n + j] = work.solver.tangential[j]
+        row[at + n + j] = work.impulses.solver.tangential[j]

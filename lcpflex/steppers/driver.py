@@ -108,17 +108,17 @@ class Watched:
 
     def tell(self, work: Workspace, i: int) -> None:
         """Pose island i densely, for the one who is told: it was solved in another form."""
-        if not isinstance(work.problem, ContactData):
+        if not isinstance(work.posed.problem, ContactData):
             from lcpflex.steppers.spatial.island_problems import pose_begun
 
             pose_begun(work, i)
-            self._watch(work.problem, work.solver)
+            self._watch(work.posed.problem, work.impulses.solver)
             return
         pose_island(work, i)
-        judged = work.large_solver.judged
-        work.solver.residual, work.solver.strict = judged.residual, judged.strict
-        work.solver.iterations = work.large_solver.newton.factors
-        self._watch(work.problem, work.solver)
+        judged = work.impulses.large_solver.judged
+        work.impulses.solver.residual, work.impulses.solver.strict = judged.residual, judged.strict
+        work.impulses.solver.iterations = work.impulses.large_solver.newton.factors
+        self._watch(work.posed.problem, work.impulses.solver)
 
 
 class PythonSolve:
@@ -180,7 +180,7 @@ class Rescue:
 
         Raises SolverError from what that solver raised.
         """
-        words = _unsolved(work.solver, status, tolerance, self._failed)
+        words = _unsolved(work.impulses.solver, status, tolerance, self._failed)
         own = own_part(self._solver)
         if own is None or own.last is None or not own.last.error:
             return words
@@ -196,10 +196,10 @@ class Rescue:
         if at != self._at:
             self._at = at
             self._times.clear()
-        island = int(work.islands.next)
+        island = int(work.posed.islands.next)
         times = self._times[island]
         self._times[island] += 1
-        data, memory = work.problem, work.solver
+        data, memory = work.posed.problem, work.impulses.solver
         enough = lagging(memory)  # what was found will do where nothing is better
         if times > MOST_RESCUES and not enough:
             return False

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.dynamics.mechanics import count_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
 from lcpflex.jit.struct import allocate
@@ -126,7 +127,7 @@ class FixedSteps:
     def _choose(self, length: float) -> None:
         """Go on with steps of this length [s]."""
         self.clock.length = length
-        self.stepping.work.span[:] = self._average * length
+        self.stepping.work.free.span[:] = self._average * length
 
     def make_room(self, contacts: int) -> None:
         """Memory for more contacts, ``contacts`` being needed."""
@@ -149,12 +150,14 @@ class FixedSteps:
         if clock.begun == 0 or clock.within != 0.0 or clock.stored == clock.steps:
             return
         self.records.empty()  # there is room
-        last, held = clock.last, (work.n_contacts, work.n_tangents)
-        work.n_contacts = work.n_tangents = work.islands.count = 0
+        rows, last = work.rows, clock.last
+        held = rows.n_contacts, rows.n_tangents
+        count_rows(rows, rows.n_joint, 0, 0)
+        work.posed.islands.count = 0
         clock.last = clock.steps
         self._loop(clock.steps)
         clock.last = last
-        work.n_contacts, work.n_tangents = held
+        count_rows(rows, rows.n_joint, *held)
 
     def remarks(self) -> tuple[list[str], list[str]]:
         """Warnings and notes of the run so far."""

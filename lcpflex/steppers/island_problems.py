@@ -1,6 +1,6 @@
 """The contact problems of a step, one for each island, solved one after the other.
 
-Where one is not solved, the loop returns with it in ``work.problem``; once an answer waits in ``work.solver``, it
+Where one is not solved, the loop returns with it in ``posed.problem``; once an answer waits in ``impulses.solver``, it
 goes on there. Islands of many contacts are solved in the velocities of their bodies; where that does not reach the
 tolerance within its budget, a step goes on with the best point unless it is to be an error.
 """
@@ -40,7 +40,7 @@ LAST_WORD = 128  # contacts of the largest island that is posed densely where an
 @in_space("lcpflex.steppers.spatial.island_problems")
 @kernel
 def solve_island(work: Workspace, i: int, tolerance: float, warm: bool, recorder: Recorder) -> int:
-    """Forces of the contacts of island i to ``work.p``; DONE, GROW, or SOLVER_FAILED with the reason in the workspace.
+    """Forces ``impulses.p`` of the contacts of island i; DONE, GROW, or SOLVER_FAILED with the reason in ``number``.
 
     As one dense problem; warm: from what contacts did in the last step.
     """
@@ -48,9 +48,9 @@ def solve_island(work: Workspace, i: int, tolerance: float, warm: bool, recorder
         return RunStatus.GROW
     pose_island(work, i)
     if warm:
-        recall_basis(work.problem, work.solver, work.remembered)
-    work.number = solve_contacts(work.problem, work.solver)
-    if work.number != 0 or not work.solver.residual <= tolerance:
+        recall_basis(work.posed.problem, work.impulses.solver, work.impulses.remembered)
+    work.impulses.number = solve_contacts(work.posed.problem, work.impulses.solver)
+    if work.impulses.number != 0 or not work.impulses.solver.residual <= tolerance:
         return RunStatus.SOLVER_FAILED
     note_certificate(work, recorder)
     take_forces(work)
@@ -62,7 +62,7 @@ def solve_dense_island(work: Workspace, i: int, tolerance: float, warm: bool, la
     """:func:`solve_island`; where it is the ``last`` problem of a step, the next one begins from it."""
     status = solve_island(work, i, tolerance, warm, recorder)
     if status == RunStatus.DONE and last:
-        remember_basis(work.problem, work.solver, work.remembered)
+        remember_basis(work.posed.problem, work.impulses.solver, work.impulses.remembered)
     return status
 
 
@@ -73,7 +73,7 @@ def tell_island(work: Workspace, i: int) -> None:
 
 @late_kernel
 def solve_large_island(work: Workspace, i: int, tolerance: float, last: bool, recorder: Recorder) -> int:
-    """Impulses of the contacts of island i to ``work.p``; DONE, GROW, or SOLVER_FAILED where that is to be told.
+    """Impulses of the contacts of island i to ``impulses.p``; DONE, GROW, or SOLVER_FAILED where that is to be told.
 
     GROW also where a start is to be sought, see :mod:`lcpflex.steppers.cold_islands`.
 
@@ -81,17 +81,17 @@ def solve_large_island(work: Workspace, i: int, tolerance: float, last: bool, re
     whole, but not by the own load of each contact, will do where nothing is better, and is noted. last: as of
     :func:`solve_islands`.
     """
-    large, solver = work.large, work.large_solver
-    work.largest = max(work.largest, work.islands.start[i + 1] - work.islands.start[i])
-    if len(work.white) == 0 or lacks_room(solver.op.factor):  # the latter, where sunk contacts were to be lifted
+    large, solver = work.posed.large, work.impulses.large_solver
+    work.impulses.largest = max(work.impulses.largest, work.posed.islands.start[i + 1] - work.posed.islands.start[i])
+    if len(work.rows.white) == 0 or lacks_room(solver.op.factor):  # the latter, where sunk contacts were to be lifted
         return RunStatus.GROW
     describe_island(work, i)
-    cold = work.has_start == 0 and begin_with_remembered(work, last) == 0 and last
+    cold = work.impulses.has_start == 0 and begin_with_remembered(work, last) == 0 and last
     solver.judged.tolerance = tolerance
-    if work.lifted == 1:
+    if work.posed.lifted == 1:
         count_forces(work)
     status = solve_large(large, solver, PLANAR)
-    if work.lifted == 1:
+    if work.posed.lifted == 1:
         restore_free(work)
     if status == ROOM:
         return RunStatus.GROW
@@ -105,17 +105,17 @@ def solve_large_island(work: Workspace, i: int, tolerance: float, last: bool, re
         note_lagging(work, recorder)
     elif status != SOLVED:
         if cold and large.n_joints == 0:
-            work.wants_start = 1
+            work.impulses.wants_start = 1
             return RunStatus.GROW
-        if work.strict_large == 1 or work.on_sets == 1:
-            work.unsolved_large = 1
+        if work.impulses.strict_large == 1 or work.posed.on_sets == 1:
+            work.impulses.unsolved_large = 1
             return RunStatus.SOLVER_FAILED
-        work.unsolved += 1
-    work.has_start = 0
+        work.impulses.unsolved += 1
+    work.impulses.has_start = 0
     note_large(work, status != SOLVED and not lagging, recorder)
     tell_island(work, i)
     if last:
-        remember_forces(large, work.table.key, work.n_joint, work.remembered)
+        remember_forces(large, work.rows.table.key, work.rows.n_joint, work.impulses.remembered)
     return RunStatus.DONE
 
 
@@ -127,10 +127,10 @@ def solve_islands(work: Workspace, t: float, tolerance: float, warm: bool, last:
     last: they are the last ones of the step from t [s]. The next one begins from them, and those that may have several
     solutions are kept.
     """
-    islands = work.islands
+    islands = work.posed.islands
     if islands.next == 0:
-        work.remembered.n_next = 0
-    work.unsolved_large = 0
+        work.impulses.remembered.n_next = 0
+    work.impulses.unsolved_large = 0
     while islands.next < islands.count:
         if is_large(work, islands.next) and is_free(work, islands.next):
             status = solve_large_island(work, islands.next, tolerance, last, recorder)
@@ -142,18 +142,18 @@ def solve_islands(work: Workspace, t: float, tolerance: float, warm: bool, last:
             return status
         islands.next += 1
     if last:
-        turn_over(work.remembered)
+        turn_over(work.impulses.remembered)
     return RunStatus.DONE
 
 
 @in_space("lcpflex.steppers.spatial.island_problems")
 @kernel
 def shorten_forces(work: Workspace) -> bool:
-    """Of all contact forces in ``work.p`` with the same effect the least ones, once a step.
+    """Of all contact forces in ``work.impulses.p`` with the same effect the least ones, once a step.
 
-    False where ``work.large_solver.apart`` needs more room first: the next call goes on with that island.
+    False where ``work.impulses.large_solver.apart`` needs more room first: the next call goes on with that island.
     """
-    islands = work.islands
+    islands = work.posed.islands
     while islands.shortened < islands.count:
         if is_large(work, islands.shortened):
             if not shorten_large(work, islands.shortened):
@@ -167,18 +167,18 @@ def shorten_forces(work: Workspace) -> bool:
 @kernel
 def shorten_dense(work: Workspace, i: int) -> None:
     """The same of island i as one dense problem."""
-    islands, n_joint = work.islands, work.n_joint
+    islands, n_joint = work.posed.islands, work.rows.n_joint
     n = islands.start[i + 1] - islands.start[i]
     if n < 2:
         return
     if islands.count > 1:
         pose_island(work, i)
-    m = n + work.problem.n_tangents
+    m = n + work.posed.problem.n_tangents
     for r in range(m):
-        work.bias[r] = work.p[n_joint + work.part[r]]
-    least_forces(work.problem, work.solver, work.bias)
+        work.scratch.multipliers[r] = work.impulses.p[n_joint + work.posed.part[r]]
+    least_forces(work.posed.problem, work.impulses.solver, work.scratch.multipliers)
     for r in range(m):
-        work.p[n_joint + work.part[r]] = work.bias[r]
+        work.impulses.p[n_joint + work.posed.part[r]] = work.scratch.multipliers[r]
 
 
 @late_kernel
@@ -187,12 +187,12 @@ def shorten_large(work: Workspace, i: int) -> bool:
 
     The residual that the next step looks back to stays. False where there is no room.
     """
-    solver, room = work.large_solver, True
+    solver, room = work.impulses.large_solver, True
     judged = solver.judged
-    if len(work.white) > 0:
+    if len(work.rows.white) > 0:
         strict, residual = judged.strict, judged.residual
         describe_island(work, i)
-        if take_impulses(work.large, solver, PLANAR):
-            room = least_impulses(work.large, solver) != ROOM
+        if take_impulses(work.posed.large, solver, PLANAR):
+            room = least_impulses(work.posed.large, solver) != ROOM
         judged.strict, judged.residual = strict, residual
     return room

@@ -96,7 +96,7 @@ def law_trouble(names: Sequence[str], work: Workspace) -> str:
     """Why a run cannot go on after compliant contacts have taken note."""
     contacts = work.compliant
     if contacts.needed:
-        return f"more than {len(contacts.table.key)} pairs of compliant contacts are near at once"
+        return f"more than {len(contacts.rows.table.key)} pairs of compliant contacts are near at once"
     return too_deep(names, contacts.history, contacts.out_of_range)
 
 

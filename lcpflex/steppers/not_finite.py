@@ -17,15 +17,15 @@ def not_finite(system: System, work: Workspace) -> str:
     A free velocity that is none comes from a body's velocity or load, or a force of the step before: all contacts of
     the body have it then. A force that is none where all free velocities are sound comes from what solved the problem.
     """
-    n_joint, n = int(work.n_joint), int(work.n_contacts)
-    rows = n_joint + n + int(work.n_tangents)
-    sound = np.isfinite(work.free[:rows]) & np.isfinite(work.p[:rows])
+    n_joint, n = int(work.rows.n_joint), int(work.rows.n_contacts)
+    rows = n_joint + n + int(work.rows.n_tangents)
+    sound = np.isfinite(work.free.v[:rows]) & np.isfinite(work.impulses.p[:rows])
     wrong = np.flatnonzero(~sound)
-    contact = np.concatenate([np.full(n_joint, -1), np.arange(n), work.tangent[: rows - n_joint - n]])[wrong]
-    laws = sorted({int(work.table.law[k]) for k in contact if k >= 0})
-    bodies = {int(b) for b in np.ravel(work.row_body[wrong]) if b >= 0}
-    lost = np.flatnonzero(~np.isfinite(work.free_u))
-    bodies |= {int(b) for b in np.searchsorted(work.dof, lost, side="right") - 1}
+    contact = np.concatenate([np.full(n_joint, -1), np.arange(n), work.rows.tangent[: rows - n_joint - n]])[wrong]
+    laws = sorted({int(work.rows.table.law[k]) for k in contact if k >= 0})
+    bodies = {int(b) for b in np.ravel(work.rows.body[wrong]) if b >= 0}
+    lost = np.flatnonzero(~np.isfinite(work.free.u))
+    bodies |= {int(b) for b in np.searchsorted(work.rows.dof, lost, side="right") - 1}
     parts = [listed(laws, system.contact_name)] if laws else []
     if bodies and system.bodies:
         parts.append(listed(sorted(bodies), system.body_name, "body", "bodies"))

@@ -30,66 +30,66 @@ def project_joints(
     model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace, recorder: Recorder, tolerance: float
 ) -> None:
     """q += A^-1 J^T d until |phi(q, t)| <= tolerance, with the rows of the step (a simplified Newton method)."""
-    n_joint = len(work.residual)
+    n_joint = len(work.scratch.residual)
     if n_joint == 0:
         return
     supply(model, t, q, u, work)
     for _ in range(8):
-        joint_residual(model, t, q, work.external, work.residual)
+        joint_residual(model, t, q, work.free.external, work.scratch.residual)
         drift = 0.0
         for j in range(n_joint):
-            drift = max(drift, abs(work.residual[j]))
+            drift = max(drift, abs(work.scratch.residual[j]))
         if drift <= tolerance:
             break
         for j in range(n_joint):
-            work.bias[j] = -work.residual[j]
-        solve_joints(work, work.bias)
-        displace(model, work, 0, n_joint, work.bias, q)
+            work.scratch.multipliers[j] = -work.scratch.residual[j]
+        solve_joints(work.rows, work.scratch.multipliers)
+        displace(model, work.rows, 0, n_joint, work.scratch.multipliers, q)
     recorder.counts.worst_drift = max(recorder.counts.worst_drift, drift)
 
 
 @kernel
 def held_at(work: Workspace, k: int, before: int) -> float:
     """Gap at which contact k is to be held: where it was when it closed; its present gap if it just did."""
-    gap = min(work.table.gap[k], 0.0)
-    return max(work.held_gap[0, before], gap) if before >= 0 else gap
+    gap = min(work.rows.table.gap[k], 0.0)
+    return max(work.impulses.held_gap[0, before], gap) if before >= 0 else gap
 
 
 @kernel
 def hold_contacts(step: float, tolerance: float, stay: float, active: bool, work: Workspace, recorder: Recorder) -> int:
-    """Note in ``work.sunk`` how far contacts are below the gap they closed at; their number, 0 unless ``active``.
+    """Note in ``scratch.sunk`` how far contacts are below the gap they closed at; their number, 0 unless ``active``.
 
     ``stay`` [m]: gap up to which they stay closed.
 
-    ``work.free_u`` holds u+. A pair closes somewhere within its step, up to h |gdot| / 2 deep. To lift it from there
+    ``work.free.u`` holds u+. A pair closes somewhere within its step, up to h |gdot| / 2 deep. To lift it from there
     would do work; to let it sink further, step by step over a curved surface, would have no bound.
     """
-    n_joint = work.n_joint
+    n_joint = work.rows.n_joint
     m = 0
     held = 0
     found = 0
-    for k in range(work.n_contacts):
-        work.sunk[k] = 0.0
-        gap = work.table.gap[k]
+    for k in range(work.rows.n_contacts):
+        work.scratch.sunk[k] = 0.0
+        gap = work.rows.table.gap[k]
         recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -gap)
-        if work.p[n_joint + k] <= 0.0:
+        if work.impulses.p[n_joint + k] <= 0.0:
             continue
-        before = entry_of(work.held_key[0], work.n_held, work.table.key[k], found)
+        before = entry_of(work.impulses.held_key[0], work.impulses.n_held, work.rows.table.key[k], found)
         found = before + 1 if before >= 0 else found
         target = held_at(work, k, before)
-        leaving = row_velocity(work.rows, work.row_body, n_joint + k, work.dof, work.free_u)
+        leaving = row_velocity(work.rows.J, work.rows.body, n_joint + k, work.rows.dof, work.free.u)
         if leaving * step > stay - gap:
             continue
-        work.held_key[1, held] = work.table.key[k]
-        work.held_gap[1, held] = target
+        work.impulses.held_key[1, held] = work.rows.table.key[k]
+        work.impulses.held_gap[1, held] = target
         held += 1
         if active and gap < target - tolerance:
-            work.sunk[k] = gap - target
+            work.scratch.sunk[k] = gap - target
             m += 1
     for i in range(held):
-        work.held_key[0, i] = work.held_key[1, i]
-        work.held_gap[0, i] = work.held_gap[1, i]
-    work.n_held = held
+        work.impulses.held_key[0, i] = work.impulses.held_key[1, i]
+        work.impulses.held_gap[0, i] = work.impulses.held_gap[1, i]
+    work.impulses.n_held = held
     return m
 
 
@@ -102,12 +102,12 @@ def project_contacts(
 
     min |dq|_A with W_N^T dq >= the drift of each: the frictionless LCP on their part of the condensed Delassus matrix.
     """
-    for k in range(work.n_contacts):
-        refresh(model, q, work.table, k)
+    for k in range(work.rows.n_contacts):
+        refresh(model, q, work.rows.table, k)
     if hold_contacts(step, tolerance, stay, active, work, recorder) == 0:
         return False
     moved = False
-    for i in range(work.islands.count):
+    for i in range(work.posed.islands.count):
         moved = lift_island(model, work, i, q) or moved
     return moved
 
@@ -116,13 +116,13 @@ def project_contacts(
 @kernel
 def lift_island(model: Model, work: Workspace, i: int, q: FloatArray) -> bool:
     """Lift the sunk contacts of island i; whether there were any, and it could be done."""
-    islands = work.islands
+    islands = work.posed.islands
     first = islands.start[i]
     m = 0
     for c in range(islands.start[i + 1] - first):
-        if work.sunk[islands.contact[first + c]] != 0.0:
-            work.closed[m] = c
-            work.drift[m] = work.sunk[islands.contact[first + c]]
+        if work.scratch.sunk[islands.contact[first + c]] != 0.0:
+            work.scratch.closed[m] = c
+            work.scratch.drift[m] = work.scratch.sunk[islands.contact[first + c]]
             m += 1
     if m == 0:
         return False
@@ -130,27 +130,27 @@ def lift_island(model: Model, work: Workspace, i: int, q: FloatArray) -> bool:
         return lift_large_island(model, work, i, m, q)
     if islands.count > 1:
         pose_island(work, i)
-    if solve_normals(work.problem, work.closed, work.drift, m, work.solver) != 0:
+    if solve_normals(work.posed.problem, work.scratch.closed, work.scratch.drift, m, work.impulses.solver) != 0:
         return False
     for c in range(m):
-        r = work.n_joint + islands.contact[first + work.closed[c]]
-        work.bias[r] = work.drift[c]
-        displace(model, work, r, r + 1, work.bias, q)
+        r = work.rows.n_joint + islands.contact[first + work.scratch.closed[c]]
+        work.scratch.multipliers[r] = work.scratch.drift[c]
+        displace(model, work.rows, r, r + 1, work.scratch.multipliers, q)
     return True
 
 
 @late_kernel
 def lift_large_island(model: Model, work: Workspace, i: int, m: int, q: FloatArray) -> bool:
-    """Lift the m contacts ``work.closed`` of a large island, its joints held: without friction, in place of impulses.
+    """Lift the m contacts ``closed`` of a large island, its joints held: without friction, in place of impulses.
 
     The right-hand side and the impulses of the step come back, and the residual that the next step looks back to.
     """
-    judged = work.large_solver.judged
+    judged = work.impulses.large_solver.judged
     strict, residual = judged.strict, judged.residual
     describe_island(work, i)
     begin_lift(work, m)
     solved = (
-        solve_large(work.large, work.large_solver, PLANAR) != ROOM
+        solve_large(work.posed.large, work.impulses.large_solver, PLANAR) != ROOM
     )  # as far as it goes: the rest is for the next step
     end_lift(model, work, m, solved, q)
     judged.strict, judged.residual = strict, residual
@@ -159,30 +159,30 @@ def lift_large_island(model: Model, work: Workspace, i: int, m: int, q: FloatArr
 
 @kernel
 def begin_lift(work: Workspace, m: int) -> None:
-    """The problem of the m contacts ``work.closed`` of the large island described; what it replaces is kept aside."""
-    large, aside, first = work.large, work.aside, work.n_joint
+    """The problem of the m contacts ``closed`` of the large island described; what it replaces is kept aside."""
+    large, aside, first = work.posed.large, work.scratch.aside, work.rows.n_joint
     for c in range(m):
-        large.normal_row[c] = large.normal_row[work.closed[c]]
+        large.normal_row[c] = large.normal_row[work.scratch.closed[c]]
         large.tangent_row[c] = -1
     large.n_contacts = m
     for r in range(m + large.n_joints):
         row = large.normal_row[r] if r < m else large.joint_row[r - m]
-        aside[r, 0], aside[r, 1] = work.p[row], work.free[row]
-        work.p[row] = 0.0
-        work.free[row] = work.drift[r] if r < m else 0.0
+        aside[r, 0], aside[r, 1] = work.impulses.p[row], work.free.v[row]
+        work.impulses.p[row] = 0.0
+        work.free.v[row] = work.scratch.drift[r] if r < m else 0.0
         if r < m:
-            aside[r, 2] = work.terms[row - first]
-            work.terms[row - first] = 0.0
+            aside[r, 2] = work.free.terms[row - first]
+            work.free.terms[row - first] = 0.0
 
 
 @kernel
 def end_lift(model: Model, work: Workspace, m: int, solved: bool, q: FloatArray) -> None:
     """Move q by the lifts found, if they are; what :func:`begin_lift` has put aside comes back."""
-    large, aside, first = work.large, work.aside, work.n_joint
+    large, aside, first = work.posed.large, work.scratch.aside, work.rows.n_joint
     for r in range(m + large.n_joints):
         row = large.normal_row[r] if r < m else large.joint_row[r - m]
         if solved:
-            displace(model, work, row, row + 1, work.p, q)
-        work.p[row], work.free[row] = aside[r, 0], aside[r, 1]
+            displace(model, work.rows, row, row + 1, work.impulses.p, q)
+        work.impulses.p[row], work.free.v[row] = aside[r, 0], aside[r, 1]
         if r < m:
-            work.terms[row - first] = aside[r, 2]
+            work.free.terms[row - first] = aside[r, 2]

@@ -184,7 +184,7 @@ def recorder(
 @kernel
 def has_room(work: Workspace, recorder: Recorder) -> bool:
     """Whether an instant with the contacts of the present step fits into the recorder."""
-    points = recorder.n_points + work.n_contacts + work.compliant.n_contacts
+    points = recorder.n_points + work.rows.n_contacts + work.compliant.rows.n_contacts
     return recorder.n_instants < len(recorder.times) and points <= len(recorder.points)
 
 
@@ -231,11 +231,11 @@ def note_contact(
 @kernel
 def add_impulse(work: Workspace, r: int, p: float, recorder: Recorder) -> None:
     """Add the impulse p of contact row r, counted behind those of joints, to the sums of its declared contact."""
-    n = work.n_contacts
+    n = work.rows.n_contacts
     if r < n:
-        recorder.total_impulse[work.table.law[r], 0] += p
+        recorder.total_impulse[work.rows.table.law[r], 0] += p
     else:
-        recorder.total_impulse[work.table.law[work.tangent[r - n]], 1] += p
+        recorder.total_impulse[work.rows.table.law[work.rows.tangent[r - n]], 1] += p
 
 
 @in_space("lcpflex.steppers.spatial.records")
@@ -243,7 +243,7 @@ def add_impulse(work: Workspace, r: int, p: float, recorder: Recorder) -> None:
 def add_compliant_impulse(contacts: CompliantContacts, k: int, step: float, recorder: Recorder) -> None:
     """Add what compliant contact k has given in a step to the sums of its declared contact."""
     for c in range(2):
-        recorder.total_impulse[contacts.table.law[k], c] += step * contacts.p[k, c]
+        recorder.total_impulse[contacts.rows.table.law[k], c] += step * contacts.p[k, c]
 
 
 @in_space("lcpflex.steppers.spatial.records")
@@ -260,8 +260,8 @@ def note_planar_compliant(
     model: Model, q: FloatArray, contacts: CompliantContacts, touching: bool, recorder: Recorder
 ) -> None:
     """The same, in the plane."""
-    table = contacts.table
-    for k in range(contacts.n_contacts):
+    table = contacts.rows.table
+    for k in range(contacts.rows.n_contacts):
         if touching or table.gap[k] < 0.0:
             place = contact_point(model, q, table, k)
             state = STICK if contacts.sticks[k] == 1 and (touching or contacts.p[k, 0] > 0.0) else SLIP
@@ -281,15 +281,15 @@ def note_gain(recorder: Recorder, t: float, work: float) -> None:
 @kernel
 def note_certificate(work: Workspace, recorder: Recorder) -> None:
     """Keep the worst residuals and size of the contact problems."""
-    recorder.counts.worst_residual = max(recorder.counts.worst_residual, work.solver.residual)
-    recorder.counts.worst_size = max(recorder.counts.worst_size, work.solver.size)
-    recorder.counts.worst_relative = max(recorder.counts.worst_relative, work.solver.strict)
+    recorder.counts.worst_residual = max(recorder.counts.worst_residual, work.impulses.solver.residual)
+    recorder.counts.worst_size = max(recorder.counts.worst_size, work.impulses.solver.size)
+    recorder.counts.worst_relative = max(recorder.counts.worst_relative, work.impulses.solver.strict)
 
 
 @kernel
 def note_large(work: Workspace, failed: bool, recorder: Recorder) -> None:
     """The same of a problem in the velocities of bodies; one that was not solved counts once for its step."""
-    counts, large, judged = recorder.counts, work.large, work.large_solver.judged
+    counts, large, judged = recorder.counts, work.posed.large, work.impulses.large_solver.judged
     counts.worst_residual = max(counts.worst_residual, judged.residual)
     counts.worst_relative = max(counts.worst_relative, judged.strict)
     size = 0
@@ -297,7 +297,7 @@ def note_large(work: Workspace, failed: bool, recorder: Recorder) -> None:
         size += 3 if large.tangent_row[c] >= 0 else 1
     counts.worst_size = max(counts.worst_size, size)
     if failed:
-        if work.unsolved == 1:
+        if work.impulses.unsolved == 1:
             counts.unsolved += 1.0
         counts.unsolved_islands += 1.0
         counts.worst_unsolved = max(counts.worst_unsolved, judged.residual)
@@ -308,11 +308,11 @@ def note_large(work: Workspace, failed: bool, recorder: Recorder) -> None:
 @kernel
 def note_lagging(work: Workspace, recorder: Recorder) -> None:
     """Count the large problem just solved, and keep the contact that has most of its own load left."""
-    counts, judged = recorder.counts, work.large_solver.judged
+    counts, judged = recorder.counts, work.impulses.large_solver.judged
     counts.lagging += 1.0
     if judged.missed > counts.worst_lag:
         counts.worst_lag = judged.missed
-        counts.lag_law = work.table.law[work.large.normal_row[judged.behind] - work.n_joint]
+        counts.lag_law = work.rows.table.law[work.posed.large.normal_row[judged.behind] - work.rows.n_joint]
 
 
 @kernel

@@ -58,7 +58,7 @@ def take_step(model: Model, scheme: Any, t: float, work: Workspace, recorder: Re
 def record(model: Model, scheme: Any, t: float, work: Workspace, recorder: Recorder) -> int:
     """Store the present instant; returns the entries that the contact table of the recorder must hold, or NO_FACTOR.
 
-    Then the memory ``work.large_solver.apart`` is to be widened first.
+    Then the memory ``work.impulses.large_solver.apart`` is to be widened first.
     """
     raise NotImplementedError
 

@@ -29,10 +29,10 @@ class SeveralMotions:
 
     def remarks(self, work: Workspace, name: Callable[[int], str]) -> list[str]:
         """Look at the problems kept since the last call; a warning if one of them so far had several motions."""
-        for row in work.doubtful[: int(work.n_doubtful)]:
+        for row in work.impulses.doubtful[: int(work.impulses.n_doubtful)]:
             if math.isnan(self._first):
                 self._look(row)
-        work.n_doubtful = 0
+        work.impulses.n_doubtful = 0
         if math.isnan(self._first):
             return []
         taken = ", ".join(f"{name(law)} {fate}" for law, fate in self._taken)

@@ -12,7 +12,7 @@ __all__ = ["shared_loads"]
 
 def shared_loads(model: Any, work: Any, name: Callable[[int], str]) -> list[str]:
     """That the motion is one choice of several, as far as the workspace of a run has met that; of space alone."""
-    told = int(work.solver.shares.told) if is_spatial(model) else 0
+    told = int(work.impulses.solver.shares.told) if is_spatial(model) else 0
     if not told:
         return []
     return [

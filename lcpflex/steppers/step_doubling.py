@@ -226,7 +226,7 @@ class StepDoubling:
     def make_room(self, contacts: int) -> None:
         """Memory for more contacts, ``contacts`` being needed: a step that is under way goes on."""
         self.stepping.make_room(contacts)
-        kept = backup(self.stepping.system, _twin(self.stepping.scheme), len(self.stepping.work.table.key))
+        kept = backup(self.stepping.system, _twin(self.stepping.scheme), len(self.stepping.work.rows.table.key))
         copy_parts(self._kept, kept)
         self._kept = kept
 

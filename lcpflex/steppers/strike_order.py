@@ -77,11 +77,11 @@ def first_closing(work: Workspace, order: StrikeOrder, i: int, slow: float) -> f
     open by the end of the step as fast as they would rebound: no strike would change that.
     """
     first = math.inf
-    for c in range(work.islands.start[i], work.islands.start[i + 1]):
-        k = work.islands.contact[c]
+    for c in range(work.posed.islands.start[i], work.posed.islands.start[i + 1]):
+        k = work.posed.islands.contact[c]
         if order.closes[k] == 1:
-            v = row_velocity(work.rows, work.row_body, work.n_joint + k, work.dof, order.before)
-            if v < -slow and work.free[work.n_joint + k] < 0.0:
+            v = row_velocity(work.rows.J, work.rows.body, work.rows.n_joint + k, work.rows.dof, order.before)
+            if v < -slow and work.free.v[work.rows.n_joint + k] < 0.0:
                 first = min(first, order.gap[k] / -v)
     return first
 
@@ -94,7 +94,7 @@ def choose_island(
 
     closed: gap up to which contacts count as closed [m].
     """
-    islands, n_joint = work.islands, work.n_joint
+    islands, n_joint = work.posed.islands, work.rows.n_joint
     time = first_closing(work, order, i, slow)
     if time == math.inf:
         return False
@@ -104,8 +104,8 @@ def choose_island(
         order.now[k] = 1
         if order.closes[k] == 0:
             continue
-        rebounds = rebounds or restitution[work.table.law[k]] > 0.0
-        v = row_velocity(work.rows, work.row_body, n_joint + k, work.dof, order.before)
+        rebounds = rebounds or restitution[work.rows.table.law[k]] > 0.0
+        v = row_velocity(work.rows.J, work.rows.body, n_joint + k, work.rows.dof, order.before)
         if order.gap[k] + time * v > closed:
             order.now[k] = 0
             apart = True
@@ -114,7 +114,7 @@ def choose_island(
     for c in range(islands.start[i], islands.start[i + 1]):
         k = islands.contact[c]
         if order.closes[k] == 1:
-            v = row_velocity(work.rows, work.row_body, n_joint + k, work.dof, order.before)
+            v = row_velocity(work.rows.J, work.rows.body, n_joint + k, work.rows.dof, order.before)
             order.gap[k] = max(order.gap[k] + time * v, 0.0)
     return True
 
@@ -122,7 +122,7 @@ def choose_island(
 @late_kernel
 def choose_strikes(work: Workspace, order: StrikeOrder, restitution: FloatArray, closed: float, slow: float) -> None:
     """Which contacts of the islands laid are struck next; ``order.goes_on`` 0: no order is left to be kept."""
-    islands, found = work.islands, False
+    islands, found = work.posed.islands, False
     most = MOST_STRIKES
     for i in range(islands.count):
         most = max(most, MOST_STRIKES + islands.start[i + 1] - islands.start[i])
@@ -139,8 +139,8 @@ def choose_strikes(work: Workspace, order: StrikeOrder, restitution: FloatArray,
     order.goes_on = 1 if found else 0
     if found:
         keep_struck(islands, order.now)
-        for r in range(work.n_joint + work.n_contacts + work.n_tangents):
-            work.p[r] = 0.0
+        for r in range(work.rows.n_joint + work.rows.n_contacts + work.rows.n_tangents):
+            work.impulses.p[r] = 0.0
 
 
 @kernel
@@ -162,8 +162,8 @@ def begin_order(
     model: Model, q: FloatArray, now: FloatArray, u: FloatArray, free_u: FloatArray, work: Workspace, order: StrikeOrder
 ) -> None:
     """Before the first strike of a step from q and u, to ``free_u`` without impulses; ``now``: where contacts stand."""
-    table = work.table
-    for k in range(work.n_contacts):
+    table = work.rows.table
+    for k in range(work.rows.n_contacts):
         if order.closes[k] == 1:
             refresh(model, q, table, k)
             order.gap[k] = table.gap[k]
@@ -177,21 +177,21 @@ def begin_order(
 def apply_strike(work: Workspace, order: StrikeOrder) -> None:
     """The strike just solved: what it adds to velocities and impulses, for the next one."""
     answer_joints(work)
-    add_impulses(work, work.free_u)
+    add_impulses(work, work.free.u)
     for i in range(len(order.after)):
-        order.before[i] += work.free_u[i] - order.after[i]
-        order.after[i] = work.free_u[i]
-    for r in range(work.n_joint + work.n_contacts + work.n_tangents):
-        order.p[r] = work.p[r] + (0.0 if order.rounds == 0 else order.p[r])
+        order.before[i] += work.free.u[i] - order.after[i]
+        order.after[i] = work.free.u[i]
+    for r in range(work.rows.n_joint + work.rows.n_contacts + work.rows.n_tangents):
+        order.p[r] = work.impulses.p[r] + (0.0 if order.rounds == 0 else order.p[r])
     order.rounds += 1
 
 
 @late_kernel
 def add_strikes(work: Workspace, order: StrikeOrder) -> None:
     """Count the impulses of strikes into those of the last problem of the step; least forces are not sought then."""
-    for r in range(work.n_joint + work.n_contacts + work.n_tangents):
-        work.p[r] += order.p[r]
-    work.islands.shortened = work.islands.count
+    for r in range(work.rows.n_joint + work.rows.n_contacts + work.rows.n_tangents):
+        work.impulses.p[r] += order.p[r]
+    work.posed.islands.shortened = work.posed.islands.count
 
 
 @kernel

@@ -176,13 +176,13 @@ class System:
             ndof = len(self.u) if self.dense else 0
             shared = contact_memory(contacts, rows), np.array(bodies.dof), factors(bodies), np.zeros((ndof, ndof))
         else:
-            shared = before.history, before.dof, before.arrow, before.dense
+            shared = before.history, before.rows.dof, before.rows.arrow, before.rows.dense
         history, dof, arrow, dense = shared
         room = sufficient_capacity(contacts, rows) if capacity is None else capacity
         in_space = is_spatial(self.model)
         surfaces = self.n_surfaces, most_corners(contacts)
         made = compliant_contacts(rows, history, dof, self.pattern, surfaces, arrow, dense, room, in_space)
-        self.tell_surfaces(made.table)
+        self.tell_surfaces(made.rows.table)
         return made
 
     def workspace(

@@ -91,9 +91,9 @@ class TimeStepping:
         self.system, self.scheme, self.support = system, scheme, support
         self.records = Records(system)
         self.work = system.workspace(FIRST_ROOM)
-        self.work.solver.method = solver_method(solver, is_spatial(system.model))
-        self.work.dense_limit = dense_limit(solver)
-        self.work.strict_large = on_unsolved == RAISE
+        self.work.impulses.solver.method = solver_method(solver, is_spatial(system.model))
+        self.work.impulses.dense_limit = dense_limit(solver)
+        self.work.impulses.strict_large = on_unsolved == RAISE
         self._budget = budget
         self._limit_factors()
         begin_laws(system, self.work)
@@ -110,7 +110,7 @@ class TimeStepping:
     @property
     def touching(self) -> IntArray:
         """Declared contacts that the last contact problem held."""
-        return self.work.table.law[: self.work.n_contacts]
+        return self.work.rows.table.law[: self.work.rows.n_contacts]
 
     def make_room(self, contacts: int) -> None:
         """Larger memory with the same content: for ``contacts``, and for the largest island so far.
@@ -119,35 +119,36 @@ class TimeStepping:
         island that asked for it.
         """
         old = self.work
-        if old.wants_start:
+        if old.impulses.wants_start:
             give_start(old)
             return
-        large = len(old.white) > 0 or old.largest <= old.dense_limit
-        if contacts <= len(old.table.key) and old.most <= len(old.problem.friction) and large:
-            widen(old.large_solver.op.factor)
+        large = len(old.rows.white) > 0 or old.impulses.largest <= old.impulses.dense_limit
+        if contacts <= len(old.rows.table.key) and old.impulses.most <= len(old.posed.problem.friction) and large:
+            widen(old.impulses.large_solver.op.factor)
             return
-        room, dense = grown(len(old.table.key), contacts), grown(len(old.problem.friction), old.most)
+        room = grown(len(old.rows.table.key), contacts)
+        dense = grown(len(old.posed.problem.friction), old.impulses.most)
         dense = room if self.system.watch else dense  # who is told of problems is told of all
         work = self.work = self.system.workspace(room, before=old, dense=dense)
-        held = int(old.n_held)
-        copy_parts(old.table, work.table)  # of a step that has more problems than one
-        work.n_held = held
-        work.held_key[:, :held] = old.held_key[:, :held]
-        work.held_gap[:, :held] = old.held_gap[:, :held]
-        work.recalled[:] = old.recalled
-        work.stopped, work.unsolved = old.stopped, old.unsolved
-        work.span[:] = old.span
-        work.doubtful[:] = old.doubtful
-        work.doubtful_kind[:], work.n_doubtful = old.doubtful_kind, old.n_doubtful
+        held = int(old.impulses.n_held)
+        copy_parts(old.rows.table, work.rows.table)  # of a step that has more problems than one
+        work.impulses.n_held = held
+        work.impulses.held_key[:, :held] = old.impulses.held_key[:, :held]
+        work.impulses.held_gap[:, :held] = old.impulses.held_gap[:, :held]
+        work.impulses.recalled[:] = old.impulses.recalled
+        work.impulses.stopped, work.impulses.unsolved = old.impulses.stopped, old.impulses.unsolved
+        work.free.span[:] = old.free.span
+        work.impulses.doubtful[:] = old.impulses.doubtful
+        work.impulses.doubtful_kind[:], work.impulses.n_doubtful = old.impulses.doubtful_kind, old.impulses.n_doubtful
         self.scheme = self.support.grown(self.scheme, room)
         self._limit_factors()
 
     def _limit_factors(self) -> None:
         """The budget of the user's for large islands, where there is one; in space, whatever a factor costs."""
         if self._budget is not None:
-            self.work.large_solver.search.factor_limit = self._budget
+            self.work.impulses.large_solver.search.factor_limit = self._budget
             if is_spatial(self.system.model):
-                self.work.large_solver.search.operation_limit = math.inf
+                self.work.impulses.large_solver.search.operation_limit = math.inf
 
     def remarks(self, steps: int | None = None) -> list[str]:
         """Warnings of the run so far; of steps of one length, after so many."""
@@ -168,7 +169,7 @@ class TimeStepping:
     def trouble(self, status: int, number: int, time: float) -> str:
         """Why a loop that returned ``status`` cannot go on at ``time`` [s]; empty where it can after all."""
         if status == RunStatus.GROW_FACTOR:
-            widen(self.work.large_solver.apart)
+            widen(self.work.impulses.large_solver.apart)
             return ""
         words = self.support.trouble(status, number, self.scheme, self.work)
         if words:
@@ -177,7 +178,7 @@ class TimeStepping:
             return law_trouble(self.system.names, self.work)
         if status in (RunStatus.SOLVER_FAILED, RunStatus.NOT_FINITE) and (named := not_finite(self.system, self.work)):
             return f"{RunStatus(status).sentence} ({named})"
-        if status == RunStatus.SOLVER_FAILED and self.work.unsolved_large:
+        if status == RunStatus.SOLVER_FAILED and self.work.impulses.unsolved_large:
             return unsolved_large(self.work, self.scheme.tolerance) + self.support.hint
         if status == RunStatus.SOLVER_FAILED:
             if self._rescue(self.work, time):

@@ -127,16 +127,16 @@ def closing_share(
 @kernel
 def met(work: Workspace, table: ContactTable, k: int, gap: float, dip: float) -> bool:
     """Whether the node of entry k carried something no less deep in another feature, or was found as compliant."""
-    for i in range(work.n_contacts):
-        if work.p[work.n_joint + i] <= 0.0:
+    for i in range(work.rows.n_contacts):
+        if work.impulses.p[work.rows.n_joint + i] <= 0.0:
             continue
-        same = work.table.law[i] == table.law[k] and work.table.node[i] == table.node[k]
-        if same and gap > min(work.table.gap[i], 0.0) - dip:
+        same = work.rows.table.law[i] == table.law[k] and work.rows.table.node[i] == table.node[k]
+        if same and gap > min(work.rows.table.gap[i], 0.0) - dip:
             return True
     compliant = work.compliant
     if len(compliant.friction) > 0:
-        for i in range(compliant.n_contacts):
-            if compliant.table.law[i] == table.law[k] and compliant.table.node[i] == table.node[k]:
+        for i in range(compliant.rows.n_contacts):
+            if compliant.rows.table.law[i] == table.law[k] and compliant.rows.table.node[i] == table.node[k]:
                 return True
     return False
 
@@ -201,10 +201,10 @@ def first_unmet(
         first = NEVER
         last = 0
         for k in range(n):
-            present = entry_of(work.table.key, work.n_contacts, table.key[k], last)
+            present = entry_of(work.rows.table.key, work.rows.n_contacts, table.key[k], last)
             last = present + 1 if present >= 0 else last
             # one that the last problem gave an impulse; one that it had without may have been on the way out
-            if present >= 0 and work.p[work.n_joint + present] > 0.0:
+            if present >= 0 and work.impulses.p[work.rows.n_joint + present] > 0.0:
                 continue
             now = table.gap[k]
             gap = gap_on_way(model, q, u, h, high, kept, table, k, tolerance)
@@ -235,7 +235,7 @@ def closed_pairs(
         sunk = max(sunk, -table.gap[k])
         rate = gap_rate(model, q, u, table, k)
         pull = max(pull, abs(rate - gap_rate(model, q, kept.u, table, k)))
-        present = entry_of(work.table.key, work.n_contacts, table.key[k], last)
+        present = entry_of(work.rows.table.key, work.rows.n_contacts, table.key[k], last)
         if present >= 0:
             last = present + 1
         else:
@@ -253,8 +253,10 @@ def unmet(model: Model, q: FloatArray, compliant: CompliantContacts, table: Cont
     sunk = 0.0
     for k in range(min(count, len(table.key))):
         known = table.compliant[table.law[k]] == RIGID
-        for i in range(compliant.n_contacts):
-            known = known or (compliant.table.law[i] == table.law[k] and compliant.table.node[i] == table.node[k])
+        for i in range(compliant.rows.n_contacts):
+            known = known or (
+                compliant.rows.table.law[i] == table.law[k] and compliant.rows.table.node[i] == table.node[k]
+            )
         if not known:
             sunk = max(sunk, -table.gap[k])
     return sunk

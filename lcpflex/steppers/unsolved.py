@@ -44,9 +44,9 @@ def lagging_remarks(counts: Counts, name: Callable[[int], str]) -> list[str]:
 
 def unsolved_large(work: Workspace, tolerance: float) -> str:
     """Why a run ends that is not to go on with the best point."""
-    solver = work.large_solver
+    solver = work.impulses.large_solver
     return (
-        f"the contact problem of an island of {work.large.n_contacts} contacts was not solved in "
+        f"the contact problem of an island of {work.posed.large.n_contacts} contacts was not solved in "
         f"{solver.newton.factors} sparse factors and {solver.search.sweeps} sweeps: natural-map residual "
         f"{solver.judged.residual:.3g} (tolerance {tolerance:g})"
     )

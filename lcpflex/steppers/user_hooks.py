@@ -47,7 +47,7 @@ def _inertia_hooks(system: Mechanics, known: Hooks) -> Hooks:
     def forces_and_pull(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> None:
         forces(model, t, q, u, work)
         pull[:] = 0.5 * system.mass_rate(q, u) @ u
-        work.driving += pull  # which counts for energies alone: work.total is what moves
+        work.free.driving += pull  # which counts for energies alone: work.free.total is what moves
 
     def over_step(h: float, places: tuple[FloatArray, ...], u: FloatArray, end: FloatArray) -> float:
         # what changes of M over a step did, less what the audit has taken of ``pull``
@@ -57,9 +57,9 @@ def _inertia_hooks(system: Mechanics, known: Hooks) -> Hooks:
 
     def audit_step(model: Model, scheme: Any, t: float, work: Workspace, recorder: Recorder) -> None:
         audit(model, scheme, t, work, recorder)
-        h, u, end = scheme.step, scheme.u, work.free_u
+        h, u, end = scheme.step, scheme.u, work.free.u
         after = moved(scheme.q, scheme.theta * end + (1.0 - scheme.theta) * u, h)
-        recorder.counts.supplied += over_step(h, (scheme.q, work.middle, after), u, end)
+        recorder.counts.supplied += over_step(h, (scheme.q, work.free.middle, after), u, end)
 
     def kick(model: Model, h: float, work: Workspace, memory: Any) -> None:
         kick_again(model, h, work, memory)
@@ -84,17 +84,17 @@ def _moving_hooks(system: Mechanics, known: Hooks) -> Hooks:
 
     def turn_on(model: Model, passes: int, h: float, u: FloatArray, work: Workspace) -> bool:
         # such forces at the velocity before a step, as omega x J omega, gain energy in each step
-        t, q = asked_at[0], work.middle
+        t, q = asked_at[0], work.free.middle
         before = system.force(t, q, u)
-        kind = work.conservative if system.has_potential else work.driving
+        kind = work.free.conservative if system.has_potential else work.free.driving
         for _ in range(passes):
-            after = system.force(t, q, 0.5 * (u + work.free_u))
+            after = system.force(t, q, 0.5 * (u + work.free.u))
             change = after - before
             kind += change
-            work.total += change
+            work.free.total += change
             change *= h
             known[mechanics.solve_vector](model, work, change)
-            work.free_u += change
+            work.free.u += change
             before = after
         return True
 

@@ -37,7 +37,7 @@ class Flight:
         rate(self.model, q, u, numbers)
         leaves.forces(self.model, 0.0, q, u, self.work)
         leaves.factorise(self.model, q, 0.0, 0.0, self.work)
-        acceleration = self.work.total.copy()
+        acceleration = self.work.free.total.copy()
         leaves.solve_vector(self.model, self.work, acceleration)
         return numbers, acceleration
 
@@ -57,7 +57,7 @@ class Flight:
         """Energy, linear and angular momentum."""
         kinetic, elastic, weight = leaves.energies(self.model, self.q, self.u, self.work)
         out = np.zeros((1, 9))
-        momenta(self.model.bodies, self.q, self.u, self.work.arrow, out)
+        momenta(self.model.bodies, self.q, self.u, self.work.rows.arrow, out)
         return np.concatenate([[kinetic + elastic + weight], out[0, :6]])
 
 

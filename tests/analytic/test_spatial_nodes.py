@@ -139,13 +139,13 @@ class Motion:
         leaves.factorise(self.packed, self.q, 0.0, 0.0, self.work)
         out = np.zeros(len(self.u))
         leaves.multiply(self.packed, self.q, self.udot, self.work, out)
-        h = self.work.arrow.spin.copy()
+        h = self.work.rows.arrow.spin.copy()
         return out - h, h
 
     def coriolis(self) -> FloatArray:
         """The term of h between modes alone."""
         out = np.zeros(len(self.u))
-        turn_modes(self.packed.bodies, self.u, 0, self.work.arrow, out)
+        turn_modes(self.packed.bodies, self.u, 0, self.work.rows.arrow, out)
         return out
 
 

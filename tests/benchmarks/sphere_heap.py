@@ -111,7 +111,7 @@ class Heap:
         for k in range(steps):
             ms[k] = self.step()
             fastest = max(fastest, self.speeds().max())
-        contacts = int(self.run.method.stepping.work.n_contacts)
+        contacts = int(self.run.method.stepping.work.rows.n_contacts)
         moved = float(np.abs(self.places - start).max())
         return Rest(ms, float(counts.worst_relative), int(counts.unsolved), contacts, fastest, moved)
 

@@ -104,16 +104,16 @@ def spatial_contact_sets(capacity: int, dense: int | None = None) -> SpatialCont
 @kernel
 def across(work: SpatialWork, k: int) -> tuple[Vector, Vector]:
     """Both tangents of entry k, world axes."""
-    first = row_vector(work.table.tangent, k)
-    return first, cross(row_vector(work.table.normal, k), first)
+    first = row_vector(work.rows.table.tangent, k)
+    return first, cross(row_vector(work.rows.table.normal, k), first)
 
 
 @kernel
 def slip_of(work: SpatialWork, sets: SpatialContactSets, k: int, u: FloatArray) -> tuple[float, float]:
     """gamma of a contact with friction, by the rows laid [m/s]."""
-    r = work.n_joint + work.n_contacts + sets.tangent_of[k]
-    first = row_velocity(work.rows, work.row_body, r, work.dof, u)
-    return first, row_velocity(work.rows, work.row_body, r + 1, work.dof, u)
+    r = work.rows.n_joint + work.rows.n_contacts + sets.tangent_of[k]
+    first = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u)
+    return first, row_velocity(work.rows.J, work.rows.body, r + 1, work.rows.dof, u)
 
 
 @kernel
@@ -129,7 +129,7 @@ def keep_direction(work: SpatialWork, sets: SpatialContactSets, k: int, first: f
 @kernel
 def find_slips(work: SpatialWork, sets: SpatialContactSets, u: FloatArray) -> None:
     """``along`` of the contacts that slide, by the rows laid and the velocity u."""
-    for k in range(work.n_contacts):
+    for k in range(work.rows.n_contacts):
         if sets.mode[k] != SLIDING:
             continue
         first, second = slip_of(work, sets, k, u)
@@ -145,34 +145,34 @@ def find_slips(work: SpatialWork, sets: SpatialContactSets, u: FloatArray) -> No
 
 @kernel
 def pose_on_sets(work: SpatialWork, sets: SpatialContactSets, i: int) -> int:
-    """The operator of island i, joints condensed, to ``work.G``: its normal rows, then pairs of tangential ones."""
-    part, contact, n_joint = work.part, work.islands.contact, work.n_joint
-    problem, table = work.problem, work.table
-    first = work.islands.start[i]
-    n = work.islands.start[i + 1] - first
+    """The operator of island i, joints condensed, to ``scratch.G``: its normal rows, then pairs of tangential ones."""
+    part, contact, n_joint = work.posed.part, work.posed.islands.contact, work.rows.n_joint
+    problem, table = work.posed.problem, work.rows.table
+    first = work.posed.islands.start[i]
+    n = work.posed.islands.start[i + 1] - first
     m = n
     for c in range(n):
         k = contact[first + c]
         part[c] = k
-        problem.friction[c] = work.mu[k]
+        problem.friction[c] = work.rows.mu[k]
         problem.key[c] = table.key[k]
         problem.pair[c] = table.law[k]
         j = sets.tangent_of[k]
         sets.row_here[c] = m if j >= 0 else -1
         if j >= 0:
-            part[m] = work.n_contacts + j
-            part[m + 1] = work.n_contacts + j + 1
+            part[m] = work.rows.n_contacts + j
+            part[m + 1] = work.rows.n_contacts + j + 1
             m += 2
     problem.n_contacts = n
     problem.n_tangents = m - n
-    delassus(work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], part, m, work.G)
+    delassus(work.rows.J[n_joint:], work.rows.solved[n_joint:], work.rows.body[n_joint:], part, m, work.scratch.G)
     for r in range(m):
-        sets.free[r] = work.free[n_joint + part[r]]
+        sets.free[r] = work.free.v[n_joint + part[r]]
     if n_joint > 0:
-        condense(work, part, n_joint, m, work.G, sets.free)
+        condense(work.rows, part, n_joint, m, work.scratch.G, sets.free)
     for c in range(n):
-        work.own[part[c]] = work.G[c, c]
-        work.effect[part[c]] = sets.free[c]
+        work.posed.own[part[c]] = work.scratch.G[c, c]
+        work.posed.effect[part[c]] = sets.free[c]
     return n
 
 
@@ -190,7 +190,7 @@ def reduce_sets(work: SpatialWork, sets: SpatialContactSets) -> int:
 
     Sliding friction counts at the level of forces only.
     """
-    n, G, part, place = work.problem.n_contacts, work.G, work.part, sets.place
+    n, G, part, place = work.posed.problem.n_contacts, work.scratch.G, work.posed.part, sets.place
     m = n
     for c in range(n):
         place[c] = c
@@ -208,7 +208,7 @@ def reduce_sets(work: SpatialWork, sets: SpatialContactSets) -> int:
             k = part[c]
             if sets.level == FORCE and sets.mode[k] == SLIDING:
                 j = sets.row_here[c]
-                sets.reduced[r, c] -= work.mu[k] * (sets.along[k, 0] * G[i, j] + sets.along[k, 1] * G[i, j + 1])
+                sets.reduced[r, c] -= work.rows.mu[k] * (sets.along[k, 0] * G[i, j] + sets.along[k, 1] * G[i, j + 1])
     sets.n_stick = (m - n) // 2
     return m
 
@@ -216,8 +216,8 @@ def reduce_sets(work: SpatialWork, sets: SpatialContactSets) -> int:
 @kernel
 def refer(work: SpatialWork, sets: SpatialContactSets, m: int) -> None:
     """The forces chosen to ``reference``, and what they leave to ``right``."""
-    for c in range(work.problem.n_contacts):
-        k, t = work.part[c], sets.at[c]
+    for c in range(work.posed.problem.n_contacts):
+        k, t = work.posed.part[c], sets.at[c]
         sets.reference[c] = sets.chosen[k, 0]
         if t >= 0:
             first, second = across(work, k)
@@ -231,14 +231,14 @@ def refer(work: SpatialWork, sets: SpatialContactSets, m: int) -> None:
 @kernel
 def weigh(work: SpatialWork, sets: SpatialContactSets, m: int, rank: int) -> None:
     """Columns of the eliminated system by the roots of the forces of the reference, which go to ``slack``."""
-    n, largest = work.problem.n_contacts, 0.0
+    n, largest = work.posed.problem.n_contacts, 0.0
     for c in range(n):
         largest = max(largest, sets.reference[c])
     for c in range(n):
         force, t = max(sets.reference[c], LIGHTEST * largest), sets.at[c]
         sets.slack[c] = math.sqrt(force / largest) if largest > 0.0 else 1.0
         if t >= 0:
-            sets.slack[t] = sets.slack[c] * math.sqrt(work.mu[work.part[c]])
+            sets.slack[t] = sets.slack[c] * math.sqrt(work.rows.mu[work.posed.part[c]])
             sets.slack[t + 1] = sets.slack[t]
     for r in range(m):
         sets.slack[r] /= sets.scale[r]
@@ -274,18 +274,18 @@ def solve_nearest(work: SpatialWork, sets: Any, m: int) -> None:
 @kernel
 def is_symmetric(work: SpatialWork, sets: SpatialContactSets) -> bool:
     """Whether no friction of contacts that slide is in the columns of the island posed last."""
-    for c in range(work.problem.n_contacts):
-        k = work.part[c]
-        if sets.level == FORCE and sets.mode[k] == SLIDING and work.mu[k] > 0.0:
+    for c in range(work.posed.problem.n_contacts):
+        k = work.posed.part[c]
+        if sets.level == FORCE and sets.mode[k] == SLIDING and work.rows.mu[k] > 0.0:
             return False
     return True
 
 
 @kernel
 def solve_sets(work: SpatialWork, sets: SpatialContactSets, level: int) -> None:
-    """Forces or impulses ``work.p`` of all rows with the sets as they are, island by island."""
+    """Forces or impulses ``work.impulses.p`` of all rows with the sets as they are, island by island."""
     sets.level = level
-    for i in range(work.islands.count):
+    for i in range(work.posed.islands.count):
         pose_on_sets(work, sets, i)
         m = reduce_sets(work, sets)
         referred = level == FORCE and sets.referred == 1
@@ -302,7 +302,7 @@ def solve_sets(work: SpatialWork, sets: SpatialContactSets, level: int) -> None:
         spread(work, sets, sets.solution)
         if level == FORCE:
             note_misses(work, sets)
-    work.islands.next = work.islands.count
+    work.posed.islands.next = work.posed.islands.count
     answer_joints(work)
 
 
@@ -312,8 +312,9 @@ def note_misses(work: SpatialWork, sets: SpatialContactSets) -> None:
 
     It is rounding, but where more is kept than can be: a box that is held to the ground and to fingers that rise.
     """
-    n, G, part, p, n_joint = work.problem.n_contacts, work.G, work.part, work.p, work.n_joint
-    rows = n + work.problem.n_tangents
+    n, G = work.posed.problem.n_contacts, work.scratch.G
+    part, p, n_joint = work.posed.part, work.impulses.p, work.rows.n_joint
+    rows = n + work.posed.problem.n_tangents
     for c in range(n):
         k, j = part[c], sets.row_here[c]
         held = j >= 0 and holds(sets, k)
@@ -331,8 +332,8 @@ def note_misses(work: SpatialWork, sets: SpatialContactSets) -> None:
 @kernel
 def spread(work: SpatialWork, sets: SpatialContactSets, x: FloatArray) -> None:
     """Forces or impulses p of the contacts of the island posed last from the unknowns x of its reduced system."""
-    part, n_joint, p = work.part, work.n_joint, work.p
-    for c in range(work.problem.n_contacts):
+    part, n_joint, p = work.posed.part, work.rows.n_joint, work.impulses.p
+    for c in range(work.posed.problem.n_contacts):
         k, j, t = part[c], sets.row_here[c], sets.at[c]
         p[n_joint + k] = x[c]
         if j < 0:
@@ -342,16 +343,16 @@ def spread(work: SpatialWork, sets: SpatialContactSets, x: FloatArray) -> None:
         if t >= 0:
             p[r], p[r + 1] = x[t], x[t + 1]
         elif sets.level == FORCE and sets.mode[k] == SLIDING:
-            p[r], p[r + 1] = -work.mu[k] * sets.along[k, 0] * x[c], -work.mu[k] * sets.along[k, 1] * x[c]
+            p[r], p[r + 1] = -work.rows.mu[k] * sets.along[k, 0] * x[c], -work.rows.mu[k] * sets.along[k, 1] * x[c]
 
 
 @kernel
 def put_force(work: SpatialWork, sets: SpatialContactSets, k: int) -> None:
-    """The force of contact k in ``work.p`` to ``chosen``."""
-    sets.chosen[k, 0] = work.p[work.n_joint + k]
+    """The force of contact k in ``work.impulses.p`` to ``chosen``."""
+    sets.chosen[k, 0] = work.impulses.p[work.rows.n_joint + k]
     sets.chosen[k, 1], sets.chosen[k, 2], sets.chosen[k, 3] = 0.0, 0.0, 0.0
     if sets.tangent_of[k] >= 0 and sets.mode[k] != SMOOTH:
-        r = work.n_joint + work.n_contacts + sets.tangent_of[k]
+        r = work.rows.n_joint + work.rows.n_contacts + sets.tangent_of[k]
         t, s = across(work, k)
         for i in range(3):
-            sets.chosen[k, 1 + i] = work.p[r] * t[i] + work.p[r + 1] * s[i]
+            sets.chosen[k, 1 + i] = work.impulses.p[r] * t[i] + work.impulses.p[r + 1] * s[i]

@@ -118,7 +118,7 @@ def straighten(
     if place < len(states):
         for j in range(AXIS):
             states[place, j] = 0.0
-        states[place, AXIS] = best_axis(model, q, contacts.table, k)
+        states[place, AXIS] = best_axis(model, q, contacts.rows.table, k)
 
 
 @kernel
@@ -128,7 +128,7 @@ def keep_bristles(
     """The states of friction of entry k, which goes on: along another axis, where theirs is too near the normal."""
     if place >= len(states):
         return
-    table = contacts.table
+    table = contacts.rows.table
     old = int(states[place, AXIS])
     n = row_vector(table.normal, k)
     if norm(projected(axes_of(model, q, table.body[k, 1]), old, n)) >= SLANTED:

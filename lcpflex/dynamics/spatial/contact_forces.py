@@ -37,14 +37,14 @@ def fill_rows(model: Any, q: FloatArray, contacts: SpatialWork) -> None:
 
     A point moved by -g/2 n on body i and by g/2 n on body j turns with its body: both rows change by the same moment.
     """
-    n = contacts.n_contacts
-    contacts.n_tangents = fill_contact_rows(model, q, n, contacts.n_joint, contacts)
+    n = contacts.rows.n_contacts
+    contacts.rows.n_tangents = fill_contact_rows(model, q, n, contacts.rows.n_joint, contacts.rows)
     if len(model.bodies.mass) == 0:
         return
-    table, row_body = contacts.table, contacts.row_body
-    first = contacts.n_joint + n
-    for j in range(contacts.n_tangents):
-        k = contacts.tangent[j]
+    table, row_body = contacts.rows.table, contacts.rows.body
+    first = contacts.rows.n_joint + n
+    for j in range(contacts.rows.n_tangents):
+        k = contacts.rows.tangent[j]
         normal, along = row_vector(table.normal, k), row_vector(table.tangent, k)
         if j % 2 == 1:
             along = cross(normal, along)
@@ -54,9 +54,9 @@ def fill_rows(model: Any, q: FloatArray, contacts: SpatialWork) -> None:
             if b >= 0:
                 d = model.bodies.place[b] + 3
                 local = turned_back(rotation_matrix(q[d], q[d + 1], q[d + 2], q[d + 3]), moment)
-                contacts.rows[first + j, i, 3] += local[0]
-                contacts.rows[first + j, i, 4] += local[1]
-                contacts.rows[first + j, i, 5] += local[2]
+                contacts.rows.J[first + j, i, 3] += local[0]
+                contacts.rows.J[first + j, i, 4] += local[1]
+                contacts.rows.J[first + j, i, 5] += local[2]
 
 
 @kernel
@@ -68,7 +68,7 @@ def states_of_friction(model: Any) -> int:
 @kernel
 def tangential_force(contacts: SpatialWork, j: int) -> float:
     """Friction along tangential row j [N]."""
-    return contacts.p[contacts.tangent[j], 1 + j % 2]
+    return contacts.p[contacts.rows.tangent[j], 1 + j % 2]
 
 
 @kernel
@@ -87,15 +87,15 @@ def friction_forces(
     model: Any, q: FloatArray, u: FloatArray, states: FloatArray, rates: FloatArray, contacts: SpatialWork
 ) -> None:
     """``find_friction`` where there are contacts."""
-    history, table = contacts.history, contacts.table
-    first = contacts.n_joint + contacts.n_contacts
-    for j in range(0, contacts.n_tangents, 2):
-        k = contacts.tangent[j]
+    history, table = contacts.history, contacts.rows.table
+    first = contacts.rows.n_joint + contacts.rows.n_contacts
+    for j in range(0, contacts.rows.n_tangents, 2):
+        k = contacts.rows.tangent[j]
         law = table.law[k]
         kinds, p = history.kinds[law], history.parameters[law]
-        mu, normal = contacts.mu[k], contacts.p[k, 0]
-        v = row_velocity(contacts.rows, contacts.row_body, first + j, contacts.dof, u)
-        w = row_velocity(contacts.rows, contacts.row_body, first + j + 1, contacts.dof, u)
+        mu, normal = contacts.rows.mu[k], contacts.p[k, 0]
+        v = row_velocity(contacts.rows.J, contacts.rows.body, first + j, contacts.rows.dof, u)
+        w = row_velocity(contacts.rows.J, contacts.rows.body, first + j + 1, contacts.rows.dof, u)
         contacts.slip[j] = v
         contacts.slip[j + 1] = w
         contacts.sticks[k] = 1 if math.hypot(v, w) < history.slip_speed[law] else 0
@@ -123,17 +123,17 @@ def friction_forces(
 @kernel
 def tangential_vector(contacts: SpatialWork, k: int, first: float, second: float) -> Vector:
     """first t1 + second t2 of entry k, world axes."""
-    along = row_vector(contacts.table.tangent, k)
-    across = cross(row_vector(contacts.table.normal, k), along)
+    along = row_vector(contacts.rows.table.tangent, k)
+    across = cross(row_vector(contacts.rows.table.normal, k), along)
     return added(scaled(first, along), scaled(second, across))
 
 
 @kernel
 def add_impulses(contacts: SpatialWork, first: int, out: FloatArray) -> None:
     """Add the forces to the rates of the impulses of declared contacts, from ``first`` on: see the plane."""
-    for k in range(contacts.n_contacts):
-        at = first + SUMS * contacts.table.law[k]
-        side = side_of(contacts.table, contacts.table.law[k], contacts.table.body[k, 0])
+    for k in range(contacts.rows.n_contacts):
+        at = first + SUMS * contacts.rows.table.law[k]
+        side = side_of(contacts.rows.table, contacts.rows.table.law[k], contacts.rows.table.body[k, 0])
         friction = tangential_vector(contacts, k, side * contacts.p[k, 1], side * contacts.p[k, 2])
         out[at] += contacts.p[k, 0]
         for c in range(3):

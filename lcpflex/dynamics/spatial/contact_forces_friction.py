@@ -105,15 +105,15 @@ def balanced_pull(
 @kernel
 def across(contacts: SpatialWork, k: int, force: Vector) -> Pair:
     """Components of a vector along the tangents of entry k."""
-    along = row_vector(contacts.table.tangent, k)
-    return dot3(force, along), dot3(force, cross(row_vector(contacts.table.normal, k), along))
+    along = row_vector(contacts.rows.table.tangent, k)
+    return dot3(force, along), dot3(force, cross(row_vector(contacts.rows.table.normal, k), along))
 
 
 @kernel
 def recall(contacts: SpatialWork, k: int) -> Pair:
     """Friction over normal force that entry k had in the step before: from there the sweeps set out."""
     for i in range(contacts.n_before):
-        if contacts.before[i, 0] == contacts.table.key[k]:
+        if contacts.before[i, 0] == contacts.rows.table.key[k]:
             return across(contacts, k, (contacts.before[i, 1], contacts.before[i, 2], contacts.before[i, 3]))
     return 0.0, 0.0
 
@@ -123,48 +123,50 @@ def own_block(contacts: SpatialWork, r: int, h: float) -> Block:
     """h G_TT of the rows r and r + 1, with the joints, whose M^-1 rows are known."""
     mixed = 0.0
     for i in range(2):
-        if contacts.row_body[r, i] >= 0:
-            mixed += dot(contacts.rows[r, i], contacts.solved[r + 1, i], 0, contacts.rows.shape[2])
+        if contacts.rows.body[r, i] >= 0:
+            mixed += dot(contacts.rows.J[r, i], contacts.rows.solved[r + 1, i], 0, contacts.rows.J.shape[2])
     own, other = mobility(contacts, r), mobility(contacts, r + 1)
-    if contacts.n_joint > 0:
-        other -= respond(contacts, r + 1)
-        own -= respond(contacts, r)
-        mixed -= rate_by_joints(contacts, r + 1, contacts.joints.answer)
+    if contacts.rows.n_joint > 0:
+        other -= respond(contacts.rows, r + 1)
+        own -= respond(contacts.rows, r)
+        mixed -= rate_by_joints(contacts.rows, r + 1, contacts.rows.joints.answer)
     return h * max(own, 0.0), h * mixed, h * max(other, 0.0)
 
 
 @kernel
 def push_along(contacts: SpatialWork, r: int, h: float, change: float) -> None:
     """A change of the friction along row r: to the generalised forces, and to the velocities at the end of the step."""
-    add_force(contacts, contacts.rows, r, change, contacts.friction)
-    add_force(contacts, contacts.solved, r, h * change, contacts.free)
-    n_joint = contacts.n_joint
+    add_force(contacts, contacts.rows.J, r, change, contacts.friction)
+    add_force(contacts, contacts.rows.solved, r, h * change, contacts.free)
+    n_joint = contacts.rows.n_joint
     if n_joint == 0:
         return
-    respond(contacts, r)
-    impulses = contacts.joints.answer
+    respond(contacts.rows, r)
+    impulses = contacts.rows.joints.answer
     for i in range(n_joint):
         impulses[i] *= -h * change
-    apply_impulses(contacts.solved, contacts.row_body, 0 * n_joint, n_joint, impulses, contacts.dof, contacts.free)
+    apply_impulses(
+        contacts.rows.solved, contacts.rows.body, 0 * n_joint, n_joint, impulses, contacts.rows.dof, contacts.free
+    )
 
 
 @kernel
 def velocity_along(contacts: SpatialWork, r: int, u: FloatArray) -> Pair:
     """Slip velocity of the rows r and r + 1."""
     return (
-        row_velocity(contacts.rows, contacts.row_body, r, contacts.dof, u),
-        row_velocity(contacts.rows, contacts.row_body, r + 1, contacts.dof, u),
+        row_velocity(contacts.rows.J, contacts.rows.body, r, contacts.rows.dof, u),
+        row_velocity(contacts.rows.J, contacts.rows.body, r + 1, contacts.rows.dof, u),
     )
 
 
 @kernel
 def balance_contact(u: FloatArray, h: float, j: int, known: bool, contacts: SpatialWork) -> float:
     """Friction of the contact of tangential row j, the others given, or the remembered one; its relative change."""
-    k = contacts.tangent[j]
-    law, mu, normal = contacts.table.law[k], contacts.mu[k], contacts.p[k, 0]
+    k = contacts.rows.tangent[j]
+    law, mu, normal = contacts.rows.table.law[k], contacts.rows.mu[k], contacts.p[k, 0]
     if not normal > 0.0:
         return 0.0
-    r = contacts.n_joint + contacts.n_contacts + j
+    r = contacts.rows.n_joint + contacts.rows.n_contacts + j
     old = (contacts.p[k, 1], contacts.p[k, 2])
     share = recall(contacts, k)
     force = (share[0] * normal, share[1] * normal)
@@ -192,17 +194,17 @@ def balance_contact(u: FloatArray, h: float, j: int, known: bool, contacts: Spat
 def balance(model: Any, t: float, q: FloatArray, u: FloatArray, h: float, work: SpatialWork) -> None:
     """Friction of the contacts whose normal forces are known, in sweeps over them: see the plane."""
     contacts = work.compliant
-    n = contacts.n_contacts
-    first = contacts.n_joint + n
+    n = contacts.rows.n_contacts
+    first = contacts.rows.n_joint + n
     for i in range(len(u)):
         contacts.friction[i] = 0.0
-    if contacts.n_tangents > 0:
+    if contacts.rows.n_tangents > 0:
         free_velocities(model, t, q, u, h, work)
-    solve_rows(model, contacts, first, first + contacts.n_tangents)
+    solve_rows(model, contacts.rows, first, first + contacts.rows.n_tangents)
     sweeps = SWEEPS if n > 1 else 1
     for sweep in range(-1 if sweeps > 1 else 0, sweeps):  # before the first, what they had in the step before
         worst = 0.0
-        for j in range(0, contacts.n_tangents, 2):
+        for j in range(0, contacts.rows.n_tangents, 2):
             worst = max(worst, balance_contact(u, h, j, sweep < 0, contacts))
         if sweep >= 0 and worst <= SETTLED:
             break
@@ -211,7 +213,7 @@ def balance(model: Any, t: float, q: FloatArray, u: FloatArray, h: float, work: 
         normal = contacts.p[k, 0]
         share = 1.0 / normal if normal > 0.0 else 0.0
         force = tangential_vector(contacts, k, share * contacts.p[k, 1], share * contacts.p[k, 2])
-        contacts.before[k, 0] = contacts.table.key[k]
+        contacts.before[k, 0] = contacts.rows.table.key[k]
         for c in range(3):
             contacts.before[k, 1 + c] = force[c]
 
@@ -232,19 +234,19 @@ def forces_after(model: Any, q: FloatArray, u: FloatArray, work: SpatialWork) ->
 def keep_friction_of_step(model: Any, q: FloatArray, u: FloatArray, work: SpatialWork) -> None:
     """:func:`forces_after`."""
     contacts = work.compliant
-    n, last = contacts.n_contacts, contacts.last
+    n, last = contacts.rows.n_contacts, contacts.last
     for k in range(n):
         normal = contacts.p[k, 0]
         share = 1.0 / normal if normal > 0.0 else 0.0
         force = tangential_vector(contacts, k, share * contacts.p[k, 1], share * contacts.p[k, 2])
-        last[k, 0] = contacts.table.key[k] if normal > 0.0 else -1.0
+        last[k, 0] = contacts.rows.table.key[k] if normal > 0.0 else -1.0
         for c in range(3):
             last[k, 1 + c] = force[c]
         last[k, 4] = contacts.sticks[k]
     add_contact_forces(model, q, u, work)
-    for k in range(contacts.n_contacts):
+    for k in range(contacts.rows.n_contacts):
         for i in range(n):
-            if last[i, 0] == contacts.table.key[k]:
+            if last[i, 0] == contacts.rows.table.key[k]:
                 share_now = across(contacts, k, (last[i, 1], last[i, 2], last[i, 3]))
                 contacts.p[k, 1] = share_now[0] * contacts.p[k, 0]
                 contacts.p[k, 2] = share_now[1] * contacts.p[k, 0]
@@ -254,7 +256,7 @@ def keep_friction_of_step(model: Any, q: FloatArray, u: FloatArray, work: Spatia
 @kernel
 def compare_friction(u: FloatArray, h: float, work: SpatialWork) -> None:
     """Add up how far the friction of a step is from that of the slip at its end: see the plane."""
-    if work.compliant.n_tangents > 0:
+    if work.compliant.rows.n_tangents > 0:
         add_missed_friction(u, h, work.compliant)
 
 
@@ -262,11 +264,11 @@ def compare_friction(u: FloatArray, h: float, work: SpatialWork) -> None:
 def add_missed_friction(u: FloatArray, h: float, contacts: SpatialWork) -> None:
     """``compare_friction`` where there are contacts with friction."""
     history = contacts.history
-    for j in range(0, contacts.n_tangents, 2):
-        k = contacts.tangent[j]
-        law, mu, normal = contacts.table.law[k], contacts.mu[k], contacts.p[k, 0]
+    for j in range(0, contacts.rows.n_tangents, 2):
+        k = contacts.rows.tangent[j]
+        law, mu, normal = contacts.rows.table.law[k], contacts.rows.mu[k], contacts.p[k, 0]
         if normal > 0.0:
-            slip = velocity_along(contacts, contacts.n_joint + contacts.n_contacts + j, u)
+            slip = velocity_along(contacts, contacts.rows.n_joint + contacts.rows.n_contacts + j, u)
             kinds, p = history.kinds[law], history.parameters[law]
             force = friction_pull(kinds, p, slip, normal, mu, (0.0, 0.0), 0.0)
             contacts.missed[law, 0] += h * math.hypot(force[0] - contacts.p[k, 1], force[1] - contacts.p[k, 2])

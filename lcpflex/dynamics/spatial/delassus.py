@@ -27,17 +27,18 @@ def speeds(
 
 @kernel
 def measure_free(work: SpatialWork) -> None:
-    """``work.free`` and ``work.terms`` of the rows laid at ``work.free_u``."""
-    rows, row_body, dof, u, n_joint, free = work.rows, work.row_body, work.dof, work.free_u, work.n_joint, work.free
+    """``work.free.v`` and ``work.free.terms`` of the rows laid at ``work.free.u``."""
+    rows, row_body, dof = work.rows.J, work.rows.body, work.rows.dof
+    u, n_joint, free = work.free.u, work.rows.n_joint, work.free.v
     for r in range(n_joint):
         free[r] = row_velocity(rows, row_body, r, dof, u)
     tangent = 0
-    for k in range(work.n_contacts):
+    for k in range(work.rows.n_contacts):
         s = -1
-        if tangent < work.n_tangents and work.tangent[tangent] == k:
-            s = n_joint + work.n_contacts + tangent
+        if tangent < work.rows.n_tangents and work.rows.tangent[tangent] == k:
+            s = n_joint + work.rows.n_contacts + tangent
             tangent += 2
-        measure_contact(rows, row_body, dof, n_joint, n_joint + k, s, u, free, work.terms)
+        measure_contact(rows, row_body, dof, n_joint, n_joint + k, s, u, free, work.free.terms)
 
 
 @kernel
@@ -71,13 +72,14 @@ def measure_contact(
 
 @kernel
 def add_impulses(work: SpatialWork, u: FloatArray) -> None:
-    """u += A^-1 W p of all rows laid and their impulses ``work.p``."""
-    n_joint, solved, row_body, dof, p = work.n_joint, work.solved, work.row_body, work.dof, work.p
+    """u += A^-1 W p of all rows laid and their impulses ``work.impulses.p``."""
+    n_joint, solved = work.rows.n_joint, work.rows.solved
+    row_body, dof, p = work.rows.body, work.rows.dof, work.impulses.p
     apply_impulses(solved, row_body, 0, n_joint, p, dof, u)
-    for k in range(work.n_contacts):
-        r, j = n_joint + k, work.tangent_of[k]
+    for k in range(work.rows.n_contacts):
+        r, j = n_joint + k, work.posed.tangent_of[k]
         if j < 0:
             push_rows(solved, row_body, dof, r, j, p[r], 0.0, 0.0, u)
         else:
-            s = n_joint + work.n_contacts + j
+            s = n_joint + work.rows.n_contacts + j
             push_rows(solved, row_body, dof, r, s, p[r], p[s], p[s + 1], u)

@@ -35,7 +35,7 @@ STALLED = 2.0**-36  # so little of it is rounding where it does not become less
 def turn_on(model: SpatialModel, passes: int, h: float, u: FloatArray, work: SpatialWork) -> bool:
     """Correct the problem posed for inertial forces h(q, u), which ``forces`` has taken at u, in up to ``passes``.
 
-    u_free <- u_free + A^-1 h (h(q, u_mean) - h(q, before)) at ``work.middle``, with the forces by kind and the
+    u_free <- u_free + A^-1 h (h(q, u_mean) - h(q, before)) at ``work.free.middle``, with the forces by kind and the
     right-hand side of all rows; u_mean = (u + u_free - A^-1 J^T S^-1 b)/2 + u_c/2, b the rates that the joints cancel
     and u_c what contacts add. False where several passes do not settle.
     """
@@ -55,24 +55,24 @@ def turn_on(model: SpatialModel, passes: int, h: float, u: FloatArray, work: Spa
 
 @kernel
 def correct_once(model: SpatialModel, h: float, u: FloatArray, work: SpatialWork) -> None:
-    """One pass for ``work.free_u``, which changes by ``work.arrow.shift``."""
-    spin, mean, change = work.arrow.spin, work.arrow.mean, work.arrow.shift
+    """One pass for ``work.free.u``, which changes by ``work.rows.arrow.shift``."""
+    spin, mean, change = work.rows.arrow.spin, work.rows.arrow.mean, work.rows.arrow.shift
     for i in range(len(u)):
-        mean[i] = 0.5 * (u[i] + work.free_u[i] + work.arrow.touch[i])
+        mean[i] = 0.5 * (u[i] + work.free.u[i] + work.rows.arrow.touch[i])
     join_mean(work, mean)
-    inertial_forces(model.bodies, work.middle, mean, work.arrow, change)
+    inertial_forces(model.bodies, work.free.middle, mean, work.rows.arrow, change)
     for i in range(len(u)):
         more = change[i] - spin[i]
         spin[i] = change[i]
-        work.conservative[i] += more
-        work.total[i] += more
+        work.free.conservative[i] += more
+        work.free.total[i] += more
         change[i] = h * more
     solve_vector(model, work, change)
     some = False
     for i in range(len(u)):
-        before = work.free_u[i]
-        work.free_u[i] += change[i]
-        some = some or work.free_u[i] != before
+        before = work.free.u[i]
+        work.free.u[i] += change[i]
+        some = some or work.free.u[i] != before
     if some:
         tell_rows(work, change)
 
@@ -80,9 +80,9 @@ def correct_once(model: SpatialModel, h: float, u: FloatArray, work: SpatialWork
 @kernel
 def recall_contacts(work: SpatialWork) -> None:
     """``known.before``: the normal force of each present contact in the last step, 0 of those that are new."""
-    known, guess = work.remembered, 0
-    for k in range(work.n_contacts):
-        place = place_of(known, work.table.key[k], guess)
+    known, guess = work.impulses.remembered, 0
+    for k in range(work.rows.n_contacts):
+        place = place_of(known, work.rows.table.key[k], guess)
         known.place[k] = place
         known.before[k] = known.force[known.now, place, 0] if place >= 0 else 0.0
         if place >= 0:
@@ -101,63 +101,63 @@ def turns(model: SpatialModel, h: float, u: FloatArray) -> bool:
 
 @kernel
 def touch_bodies(model: SpatialModel, h: float, u: FloatArray, work: SpatialWork) -> None:
-    """``work.arrow.touch``: what contacts that go on add to the velocities of the bodies, with what joints answer."""
-    touch, known, n_joint = work.arrow.touch, work.remembered, work.n_joint
+    """``rows.arrow.touch``: what contacts that go on add to the velocities of the bodies, with what joints answer."""
+    touch, known, n_joint = work.rows.arrow.touch, work.impulses.remembered, work.rows.n_joint
     for i in range(len(touch)):
         touch[i] = 0.0
     if known.n == 0 or not turns(model, h, u):
         return
-    table, forces = work.table, work.joints.rates
-    for k in range(work.n_contacts):
+    table, forces = work.rows.table, work.rows.joints.rates
+    for k in range(work.rows.n_contacts):
         place = known.place[k]
         if place < 0 or known.carried[known.now, place] == 0:
             continue
-        f, f1, f2, _ = known_force(known, place, table.normal, table.tangent, k, work.mu[k])
-        r, j = n_joint + k, work.tangent_of[k]
-        s = n_joint + work.n_contacts + j if j >= 0 else -1
-        push_rows(work.solved, work.row_body, work.dof, r, s, f, f1, f2, touch)
+        f, f1, f2, _ = known_force(known, place, table.normal, table.tangent, k, work.rows.mu[k])
+        r, j = n_joint + k, work.posed.tangent_of[k]
+        s = n_joint + work.rows.n_contacts + j if j >= 0 else -1
+        push_rows(work.rows.solved, work.rows.body, work.rows.dof, r, s, f, f1, f2, touch)
     if n_joint > 0:
         for r in range(n_joint):
-            forces[r] = -row_velocity(work.rows, work.row_body, r, work.dof, touch)
-        solve_joints(work, forces)
-        apply_impulses(work.solved, work.row_body, 0, n_joint, forces, work.dof, touch)
+            forces[r] = -row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, touch)
+        solve_joints(work.rows, forces)
+        apply_impulses(work.rows.solved, work.rows.body, 0, n_joint, forces, work.rows.dof, touch)
 
 
 @kernel
 def join_mean(work: SpatialWork, mean: FloatArray) -> None:
     """mean -= A^-1 J^T S^-1 b / 2: the joints as they answer without contacts."""
-    impulses = work.joints.rates
-    for r in range(work.n_joint):
-        impulses[r] = -0.5 * work.joints.answer[r]
-    apply_impulses(work.solved, work.row_body, 0, work.n_joint, impulses, work.dof, mean)
+    impulses = work.rows.joints.rates
+    for r in range(work.rows.n_joint):
+        impulses[r] = -0.5 * work.rows.joints.answer[r]
+    apply_impulses(work.rows.solved, work.rows.body, 0, work.rows.n_joint, impulses, work.rows.dof, mean)
 
 
 @kernel
 def tell_rows(work: SpatialWork, change: FloatArray) -> None:
     """Change the right-hand side of all rows, and what joints answer, by that of the free velocity."""
-    n_joint = work.n_joint
-    rates = work.joints.rates
-    for r in range(n_joint + work.n_contacts + work.n_tangents):
-        moved = row_velocity(work.rows, work.row_body, r, work.dof, change)
-        work.free[r] += moved
+    n_joint = work.rows.n_joint
+    rates = work.rows.joints.rates
+    for r in range(n_joint + work.rows.n_contacts + work.rows.n_tangents):
+        moved = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, change)
+        work.free.v[r] += moved
         if r < n_joint:
             rates[r] = moved
     if n_joint > 0:
-        solve_joints(work, rates)
+        solve_joints(work.rows, rates)
         for r in range(n_joint):
-            work.joints.answer[r] += rates[r]
+            work.rows.joints.answer[r] += rates[r]
 
 
 @kernel
 def relative_change(model: SpatialModel, work: SpatialWork) -> float:
     """The largest change of a body in the last pass over its velocity, both by the energy that they would have."""
-    mean, change, momentum = work.arrow.mean, work.arrow.shift, work.ahead
+    mean, change, momentum = work.rows.arrow.mean, work.rows.arrow.shift, work.scratch.velocity
     n_bodies = len(model.bodies.mass)
-    energy = work.arrow.energy
-    multiply(model, work.middle, change, work, momentum)
+    energy = work.rows.arrow.energy
+    multiply(model, work.free.middle, change, work, momentum)
     for b in range(n_bodies):
         energy[b] = product(work, b, change)
-    multiply(model, work.middle, mean, work, momentum)
+    multiply(model, work.free.middle, mean, work, momentum)
     worst = 0.0
     for b in range(n_bodies):
         if energy[b] > 0.0:
@@ -167,10 +167,10 @@ def relative_change(model: SpatialModel, work: SpatialWork) -> float:
 
 @kernel
 def product(work: SpatialWork, b: int, u: FloatArray) -> float:
-    """u^T M u of body b, M u being in ``work.ahead``."""
+    """u^T M u of body b, M u being in ``work.scratch.velocity``."""
     total = 0.0
-    for i in range(work.dof[b], work.dof[b + 1]):
-        total += u[i] * work.ahead[i]
+    for i in range(work.rows.dof[b], work.rows.dof[b + 1]):
+        total += u[i] * work.scratch.velocity[i]
     return total
 
 

@@ -60,7 +60,8 @@ class SpatialArrow:
     energy: FloatArray = array("bodies")  # scratch
 
 
-SpatialWork: TypeAlias = Any  # a Workspace, or CompliantContacts, with a SpatialArrow for its arrow
+SpatialWork: TypeAlias = Any  # a Workspace, or CompliantContacts, with the rows of space
+RowsOfSpace: TypeAlias = Any  # Rows with a SpatialArrow for their arrow and a SpatialContactTable
 
 
 def factors(bodies: SpatialBodies) -> SpatialArrow:

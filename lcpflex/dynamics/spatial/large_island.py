@@ -14,7 +14,7 @@ __all__ = ["prepare_large"]
 @kernel
 def prepare_large(model: SpatialModel, work: SpatialWork) -> None:
     """Rows by L^-1 where there are large islands."""
-    for i in range(work.islands.count):
-        if is_large(work, i) and len(work.white) > 0:
-            whiten_rows(model, work, 0, work.n_joint + work.n_contacts + work.n_tangents)
+    for i in range(work.posed.islands.count):
+        if is_large(work, i) and len(work.rows.white) > 0:
+            whiten_rows(model, work.rows, 0, work.rows.n_joint + work.rows.n_contacts + work.rows.n_tangents)
             return

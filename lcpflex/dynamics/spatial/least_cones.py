@@ -29,7 +29,7 @@ LIGHTEST = 1e-8  # of the largest weight: less gets no less, being nothing
 @kernel
 def respond(work: SpatialWork, force: FloatArray, out: FloatArray) -> None:
     """out = W force of the island described, both (contacts, 3) in units; rows of open contacts are 0."""
-    group, op = work.solver.group, work.solver.scene
+    group, op = work.impulses.solver.group, work.impulses.solver.scene
     for c in range(group.n):
         for x in range(3):
             out[c, x] = group.unit[c] * force[c, x]
@@ -42,8 +42,8 @@ def respond(work: SpatialWork, force: FloatArray, out: FloatArray) -> None:
 
 @kernel
 def mark_touching(work: SpatialWork, i: int) -> bool:
-    """1 in ``work.solver.group.slip`` for contacts that touch, 0 for those that open; whether nothing slips."""
-    group, judged = work.solver.group, work.solver.judged
+    """1 in ``impulses.solver.group.slip`` for contacts that touch, 0 for those that open; whether nothing slips."""
+    group, judged = work.impulses.solver.group, work.impulses.solver.judged
     describe_island(work, i)
     judge_island(work)
     for c in range(group.n):
@@ -54,13 +54,9 @@ def mark_touching(work: SpatialWork, i: int) -> bool:
 @kernel
 def weigh(work: SpatialWork, i: int) -> None:
     """The units of the contacts of island i times the roots of their weights, over that of the largest."""
-    unit, contact, weight, first = (
-        work.solver.group.unit,
-        work.islands.contact,
-        work.table.weight,
-        work.islands.start[i],
-    )
-    n = work.islands.start[i + 1] - first
+    unit, contact = work.impulses.solver.group.unit, work.posed.islands.contact
+    weight, first = work.rows.table.weight, work.posed.islands.start[i]
+    n = work.posed.islands.start[i + 1] - first
     largest = 0.0
     for c in range(n):
         largest = max(largest, weight[contact[first + c]])
@@ -72,8 +68,8 @@ def weigh(work: SpatialWork, i: int) -> None:
 
 @kernel
 def shorten_island(work: SpatialWork, i: int) -> None:
-    """Shorten the forces ``work.p`` of island i, which has no joints, where nothing slips."""
-    memory, group = work.solver, work.solver.group
+    """Shorten the forces ``work.impulses.p`` of island i, which has no joints, where nothing slips."""
+    memory, group = work.impulses.solver, work.impulses.solver.group
     if not mark_touching(work, i):
         return
     weigh(work, i)
@@ -113,8 +109,8 @@ def shorten_island(work: SpatialWork, i: int) -> None:
 
 @kernel
 def approach(work: SpatialWork) -> None:
-    """``work.p`` of the island described towards ``group.p``, in units, as far as all stay in their cones."""
-    group, op, p = work.solver.group, work.solver.scene, work.p
+    """``impulses.p`` of the island described towards ``group.p``, in units, as far as all stay in their cones."""
+    group, op, p = work.impulses.solver.group, work.impulses.solver.scene, work.impulses.p
     share = 1.0
     for c in range(group.n):
         r, s, unit = op.normal[c], op.tangent[c], group.unit[c]

@@ -1,7 +1,7 @@
 """Reactions of joints in space: what a joint does to the body of its point P, by the rows that are laid.
 
 A row prescribes a coordinate c with cdot = g.(rdot_P - rdot_Q) + t_P.Omega_P + t_Q.Omega_Q. Its multiplier lambda makes
-the force F = lambda g on the body of P, at P, and the moment M = lambda t_P about P: ``work.wrench``.
+the force F = lambda g on the body of P, at P, and the moment M = lambda t_P about P: ``work.rows.wrench``.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ def reaction(
     """(F, M) of one joint with the multipliers p of all rows, world axes, M about P; by the rows laid."""
     x = y = z = a = b = c = 0.0
     for r in range(model.joints.row[joint], model.joints.row[joint + 1]):
-        x += p[r] * work.wrench[r, 0]
-        y += p[r] * work.wrench[r, 1]
-        z += p[r] * work.wrench[r, 2]
-        a += p[r] * work.wrench[r, 3]
-        b += p[r] * work.wrench[r, 4]
-        c += p[r] * work.wrench[r, 5]
+        x += p[r] * work.rows.wrench[r, 0]
+        y += p[r] * work.rows.wrench[r, 1]
+        z += p[r] * work.rows.wrench[r, 2]
+        a += p[r] * work.rows.wrench[r, 3]
+        b += p[r] * work.rows.wrench[r, 4]
+        c += p[r] * work.rows.wrench[r, 5]
     return x, y, z, a, b, c
 
 

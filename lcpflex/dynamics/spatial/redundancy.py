@@ -25,7 +25,7 @@ import math
 from lcpflex.dynamics.inertia import Arrow
 from lcpflex.dynamics.joint_factor import JointFactor
 from lcpflex.dynamics.joint_response import assemble_joints
-from lcpflex.dynamics.workspace import Rows
+from lcpflex.dynamics.rows import Rows
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.spatial import N_RIGID
 from lcpflex.solvers.semidefinite import REDUNDANT
@@ -38,30 +38,30 @@ FREE, TURNS, BENDS = 0, 1, 2  # sums of squares of a body, in the place of its v
 
 
 @kernel
-def eliminate_joints(bodies: Arrow, work: Rows) -> None:
+def eliminate_joints(bodies: Arrow, rows: Rows) -> None:
     """S of the joint rows and its factor; where joints close loops, without the rows that geometry makes dependent."""
-    if work.joints.loops == 0:
-        assemble_joints(work)
-        factorise_sparse(work.joints.factor)
+    if rows.joints.loops == 0:
+        assemble_joints(rows)
+        factorise_sparse(rows.joints.factor)
         return
-    mark_dependent(work)
-    assemble_joints(work)
-    factorise_marked(work)
+    mark_dependent(rows)
+    assemble_joints(rows)
+    factorise_marked(rows)
 
 
 @kernel
-def mark_dependent(work: Rows) -> None:
+def mark_dependent(rows: Rows) -> None:
     """joints.left: for each row, in the order of the factor, its distance from those kept before it; 0: dependent.
 
     The square of it, in parts of its own. Overwrites the factor and ``joints.change``.
     """
-    scale_bodies(work)
-    assemble_geometry(work)
-    block = work.joints.block
+    scale_bodies(rows)
+    assemble_geometry(rows)
+    block = rows.joints.block
     for joint in range(len(block) - 1):
-        reduce_block(work.joints, block[joint], block[joint + 1])
-        choose_rows(work.joints, block[joint], block[joint + 1])
-        finish_block(work.joints, block[joint], block[joint + 1])
+        reduce_block(rows.joints, block[joint], block[joint + 1])
+        choose_rows(rows.joints, block[joint], block[joint + 1])
+        finish_block(rows.joints, block[joint], block[joint + 1])
 
 
 @kernel
@@ -142,28 +142,28 @@ def dot3(a: FloatArray, r: int, i: int, b: FloatArray, s: int, j: int, k: int) -
 
 
 @kernel
-def scale_bodies(work: Rows) -> None:
+def scale_bodies(rows: Rows) -> None:
     """joints.change of each body: 1, 1/L^2 and m.
 
     1/m: mean of what A^-1 makes of the translations in its rows; L^2: mean square of the arms, and J/m by such means,
     for bodies whose joints are all at the mass centre.
     """
-    scale, dof, rows, solved = work.joints.change, work.dof, work.rows, work.solved
+    scale, dof, J, solved = rows.joints.change, rows.dof, rows.J, rows.solved
     for i in range(len(scale)):
         scale[i] = 0.0
-    for r in range(len(work.joints.left)):
+    for r in range(len(rows.joints.left)):
         for i in range(2):
-            b = work.row_body[r, i]
+            b = rows.body[r, i]
             if b < 0:
                 continue
             d = dof[b]
-            moves = dot3(rows, r, i, rows, r, i, 0)
-            turns = dot3(rows, r, i, rows, r, i, 3)
+            moves = dot3(J, r, i, J, r, i, 0)
+            turns = dot3(J, r, i, J, r, i, 3)
             scale[d] += moves
-            scale[d + 1] += dot3(rows, r, i, solved, r, i, 0)
+            scale[d + 1] += dot3(J, r, i, solved, r, i, 0)
             scale[d + 2] += turns if moves > 0.0 else 0.0
             scale[d + 3] += turns
-            scale[d + 4] += dot3(rows, r, i, solved, r, i, 3)
+            scale[d + 4] += dot3(J, r, i, solved, r, i, 3)
     for b in range(len(dof) - 1):
         d = dof[b]
         mass = scale[d] / scale[d + 1] if scale[d + 1] > 0.0 else 1.0
@@ -176,11 +176,11 @@ def scale_bodies(work: Rows) -> None:
 
 
 @kernel
-def assemble_geometry(work: Rows) -> None:
+def assemble_geometry(rows: Rows) -> None:
     """J D J^T of the joint rows in the place of their factor."""
-    factor, rows, row_body, scale = work.joints.factor, work.rows, work.row_body, work.joints.change
+    factor, J, row_body, scale = rows.joints.factor, rows.J, rows.body, rows.joints.change
     order, start, column, value = factor.order, factor.start, factor.column, factor.value
-    width = rows.shape[2]
+    width = J.shape[2]
     for place in range(len(order)):
         for e in range(start[place], start[place + 1]):
             r, s = order[place], order[column[e]]
@@ -190,18 +190,18 @@ def assemble_geometry(work: Rows) -> None:
                 for j in range(2):
                     if b < 0 or row_body[s, j] != b:
                         continue
-                    d = work.dof[b]
-                    total += dot3(rows, r, i, rows, s, j, 0)
-                    total += scale[d + TURNS] * dot3(rows, r, i, rows, s, j, 3)
+                    d = rows.dof[b]
+                    total += dot3(J, r, i, J, s, j, 0)
+                    total += scale[d + TURNS] * dot3(J, r, i, J, s, j, 3)
                     for k in range(N_RIGID, width):
-                        total += scale[d + BENDS] * rows[r, i, k] * rows[s, j, k]
+                        total += scale[d + BENDS] * J[r, i, k] * J[s, j, k]
             value[e] = total
 
 
 @kernel
-def factorise_marked(work: Rows) -> None:
+def factorise_marked(rows: Rows) -> None:
     """The factor of S, without the rows marked in ``joints.left``: these are not looked at when answers are checked."""
-    factor, distance = work.joints.factor, work.joints.left
+    factor, distance = rows.joints.factor, rows.joints.left
     start, value, diagonal = factor.start, factor.value, factor.own
     dependent, weak = 0, 0
     for i in range(len(diagonal)):

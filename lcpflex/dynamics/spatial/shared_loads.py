@@ -34,17 +34,18 @@ TURNS = 12  # at most: what is left of a change is about the friction coefficien
 @kernel
 def find_groups(work: SpatialWork, i: int) -> bool:
     """Leaders of the contacts of island i by their pairs of bodies; whether a pair has enough of them to be divided."""
-    s, contact, row_body, first = work.solver.shares, work.islands.contact, work.row_body, work.islands.start[i]
-    n, found = work.islands.start[i + 1] - first, False
+    s, contact = work.impulses.solver.shares, work.posed.islands.contact
+    row_body, first = work.rows.body, work.posed.islands.start[i]
+    n, found = work.posed.islands.start[i + 1] - first, False
     for c in range(n):
-        r = work.n_joint + contact[first + c]
+        r = work.rows.n_joint + contact[first + c]
         s.head[max(row_body[r, 0], row_body[r, 1])] = -1
     for c in range(n):
-        r = work.n_joint + contact[first + c]
+        r = work.rows.n_joint + contact[first + c]
         b, other = max(row_body[r, 0], row_body[r, 1]), min(row_body[r, 0], row_body[r, 1])
         leader = s.head[b]
         while leader >= 0:
-            e = work.n_joint + contact[first + leader]
+            e = work.rows.n_joint + contact[first + leader]
             if min(row_body[e, 0], row_body[e, 1]) == other:
                 break
             leader = s.further[leader]
@@ -62,7 +63,7 @@ def find_groups(work: SpatialWork, i: int) -> bool:
 @kernel
 def shares_in_joints(work: SpatialWork, i: int) -> bool:
     """Whether island i has joints and not too many contacts, and a pair of its bodies has several of them."""
-    n, shares = work.islands.start[i + 1] - work.islands.start[i], work.solver.shares
+    n, shares = work.posed.islands.start[i + 1] - work.posed.islands.start[i], work.impulses.solver.shares
     if not NEEDED <= n <= OF_A_PAIR or not has_joints(work, i):
         return False
     find_groups(work, i)
@@ -75,30 +76,31 @@ def shares_in_joints(work: SpatialWork, i: int) -> bool:
 @kernel
 def velocity_of(work: SpatialWork, posed: bool, c: int) -> tuple[float, float, float]:
     """Velocity of the contact at place c of its island, under the forces judged last."""
-    group = work.solver.group
+    group = work.impulses.solver.group
     if posed:
         return group.y[c, 0], group.y[c, 1], group.y[c, 2]
-    u, u1, u2 = velocity(work.solver.scene, group, c, IN_SPACE)
+    u, u1, u2 = velocity(work.impulses.solver.scene, group, c, IN_SPACE)
     return u, u1, u2
 
 
 @kernel
 def tangents_of(work: SpatialWork, k: int) -> int:
     """First of two tangential rows of contact k; -1: it has none."""
-    j = work.tangent_of[k]
-    return work.n_joint + work.n_contacts + j if j >= 0 else -1
+    j = work.posed.tangent_of[k]
+    return work.rows.n_joint + work.rows.n_contacts + j if j >= 0 else -1
 
 
 @kernel
 def gather(work: SpatialWork, i: int, leader: int, posed: bool) -> int:
     """Contacts of a group that touch, with what each does; how many, and 0 where nothing slides."""
-    memory, shares, p, first = work.solver, work.solver.shares, work.p, work.islands.start[i]
+    memory, shares = work.impulses.solver, work.impulses.solver.shares
+    p, first = work.impulses.p, work.posed.islands.start[i]
     n, m, slides = 0, 0, False
-    for c in range(work.islands.start[i + 1] - first):
+    for c in range(work.posed.islands.start[i + 1] - first):
         if shares.leader[c] != leader:
             continue
-        k = work.islands.contact[first + c]
-        r, t, unit = work.n_joint + k, tangents_of(work, k), memory.group.unit[c]
+        k = work.posed.islands.contact[first + c]
+        r, t, unit = work.rows.n_joint + k, tangents_of(work, k), memory.group.unit[c]
         u, u1, u2 = velocity_of(work, posed, c)
         f = p[r]
         if not (f > 0.0 or unit * u <= TOUCHING * memory.judged.load):
@@ -108,10 +110,10 @@ def gather(work: SpatialWork, i: int, leader: int, posed: bool) -> int:
         along, across, rough = 0.0, 0.0, -1
         if t >= 0:
             slip = math.hypot(u1, u2)
-            if unit * slip > SLIPS * memory.judged.load and at_edge(f, p[t], p[t + 1], work.mu[k]):
+            if unit * slip > SLIPS * memory.judged.load and at_edge(f, p[t], p[t + 1], work.rows.mu[k]):
                 slides = True
-                along = p[t] / f if f > 0.0 else -work.mu[k] * u1 / slip
-                across = p[t + 1] / f if f > 0.0 else -work.mu[k] * u2 / slip
+                along = p[t] / f if f > 0.0 else -work.rows.mu[k] * u1 / slip
+                across = p[t + 1] / f if f > 0.0 else -work.rows.mu[k] * u2 / slip
             else:
                 rough = m
                 m += 2
@@ -128,9 +130,9 @@ def gather(work: SpatialWork, i: int, leader: int, posed: bool) -> int:
 @kernel
 def respond(work: SpatialWork, i: int, n: int, posed: bool) -> None:
     """``shares.G`` of the n contacts gathered: three rows each, those of contacts without friction for nothing."""
-    shares, n_joint, first = work.solver.shares, work.n_joint, work.islands.start[i]
+    shares, n_joint, first = work.impulses.solver.shares, work.rows.n_joint, work.posed.islands.start[i]
     if posed:
-        W = work.problem.delassus
+        W = work.posed.problem.delassus
         for e in range(n):
             for d in range(n):
                 for x in range(3):
@@ -138,27 +140,28 @@ def respond(work: SpatialWork, i: int, n: int, posed: bool) -> None:
                         shares.G[3 * e + x, 3 * d + y] = W[3 * shares.member[e] + x, 3 * shares.member[d] + y]
         return
     for e in range(n):
-        k = work.islands.contact[first + shares.member[e]]
+        k = work.posed.islands.contact[first + shares.member[e]]
         t = tangents_of(work, k)
         shares.part[3 * e] = k
         shares.part[3 * e + 1] = t - n_joint if t >= 0 else k
         shares.part[3 * e + 2] = t - n_joint + 1 if t >= 0 else k
-    rows, solved, row_body = work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:]
+    rows, solved, row_body = work.rows.J[n_joint:], work.rows.solved[n_joint:], work.rows.body[n_joint:]
     delassus(rows, solved, row_body, shares.part, 3 * n, shares.G)
 
 
 @kernel
 def pose_group(work: SpatialWork, i: int, n: int) -> None:
     """The problem of shares of the n contacts gathered."""
-    s, p, G, first = work.solver.shares, work.p, work.solver.shares.G, work.islands.start[i]
+    s, p = work.impulses.solver.shares, work.impulses.p
+    G, first = work.impulses.solver.shares.G, work.posed.islands.start[i]
     for e in range(n):
-        k = work.islands.contact[first + s.member[e]]
+        k = work.posed.islands.contact[first + s.member[e]]
         for x in range(3):
             r = e if x == 0 else s.rough[e] + x - 1
             if x > 0 and s.rough[e] < 0:
                 break
-            s.x[r] = p[work.n_joint + k] if x == 0 else p[tangents_of(work, k) + x - 1]
-            s.own[r], s.weight[r], s.contact[r] = G[3 * e + x, 3 * e + x], work.table.weight[k], e
+            s.x[r] = p[work.rows.n_joint + k] if x == 0 else p[tangents_of(work, k) + x - 1]
+            s.own[r], s.weight[r], s.contact[r] = G[3 * e + x, 3 * e + x], work.rows.table.weight[k], e
             for d in range(n):
                 s.W[r, d] = G[3 * e + x, 3 * d]
                 if s.rough[d] >= 0:
@@ -170,10 +173,10 @@ def pose_group(work: SpatialWork, i: int, n: int) -> None:
 @kernel
 def changed(work: SpatialWork, i: int, n: int) -> float:
     """Largest change of a normal force by the shares found, over the largest one."""
-    s, p, first = work.solver.shares, work.p, work.islands.start[i]
+    s, p, first = work.impulses.solver.shares, work.impulses.p, work.posed.islands.start[i]
     most, largest = 0.0, 0.0
     for e in range(n):
-        f = p[work.n_joint + work.islands.contact[first + s.member[e]]]
+        f = p[work.rows.n_joint + work.posed.islands.contact[first + s.member[e]]]
         most, largest = max(most, abs(s.x[e] - f)), max(largest, f)
     return most / largest if largest > 0.0 else 0.0
 
@@ -181,25 +184,26 @@ def changed(work: SpatialWork, i: int, n: int) -> float:
 @kernel
 def way(work: SpatialWork, i: int, n: int) -> float:
     """The part of the way to the shares found on which contacts that stick stay in their cones."""
-    s, p, first = work.solver.shares, work.p, work.islands.start[i]
+    s, p, first = work.impulses.solver.shares, work.impulses.p, work.posed.islands.start[i]
     part = 1.0
     for e in range(n):
         if s.rough[e] >= 0:
-            k = work.islands.contact[first + s.member[e]]
+            k = work.posed.islands.contact[first + s.member[e]]
             t, j = tangents_of(work, k), s.rough[e]
-            f, f1, f2 = p[work.n_joint + k], p[t], p[t + 1]
-            part = min(part, way_in_cone(f, f1, f2, s.x[e] - f, s.x[j] - f1, s.x[j + 1] - f2, work.mu[k]))
+            f, f1, f2 = p[work.rows.n_joint + k], p[t], p[t + 1]
+            part = min(part, way_in_cone(f, f1, f2, s.x[e] - f, s.x[j] - f1, s.x[j + 1] - f2, work.rows.mu[k]))
     return part
 
 
 @kernel
 def take_shares(work: SpatialWork, i: int, n: int, part: float, posed: bool) -> None:
     """``part`` of the way to the shares found, with the friction under them; note where slip feels it."""
-    memory, s, p, first = work.solver, work.solver.shares, work.p, work.islands.start[i]
+    memory, s = work.impulses.solver, work.impulses.solver.shares
+    p, first = work.impulses.p, work.posed.islands.start[i]
     for e in range(n):
         c = s.member[e]
-        k = work.islands.contact[first + c]
-        r, t, j = work.n_joint + k, tangents_of(work, k), s.rough[e]
+        k = work.posed.islands.contact[first + c]
+        r, t, j = work.rows.n_joint + k, tangents_of(work, k), s.rough[e]
         d = part * (s.x[e] - p[r])
         d1, d2 = s.along[e, 0] * d, s.along[e, 1] * d
         if j >= 0:
@@ -214,7 +218,7 @@ def take_shares(work: SpatialWork, i: int, n: int, part: float, posed: bool) -> 
         if not posed:
             push(memory.scene, memory.group, c, (d, d1, d2))
     for e in range(n):
-        k = work.islands.contact[first + s.member[e]]
+        k = work.posed.islands.contact[first + s.member[e]]
         if s.rough[e] >= 0 or tangents_of(work, k) < 0:
             continue
         for x in range(3 * e + 1, 3 * e + 3):
@@ -222,7 +226,7 @@ def take_shares(work: SpatialWork, i: int, n: int, part: float, posed: bool) -> 
             for y in range(3 * n):
                 felt += s.G[x, y] * s.z[y]
             if memory.group.unit[s.member[e]] * abs(felt) > MATTERS * memory.judged.load:
-                s.told = 1 + work.table.law[k]
+                s.told = 1 + work.rows.table.law[k]
 
 
 @kernel
@@ -233,7 +237,7 @@ def share_group(work: SpatialWork, i: int, leader: int, posed: bool) -> bool:
         return False
     respond(work, i, n, posed)
     pose_group(work, i, n)
-    if not share_out(work.solver.shares) or not changed(work, i, n) > SETTLED:
+    if not share_out(work.impulses.solver.shares) or not changed(work, i, n) > SETTLED:
         return False
     part = way(work, i, n)
     if not part > 0.0:
@@ -245,10 +249,10 @@ def share_group(work: SpatialWork, i: int, leader: int, posed: bool) -> bool:
 @kernel
 def put_forces(work: SpatialWork, i: int, back: bool) -> None:
     """Forces of island i to ``shares.before``; or ``back`` from there."""
-    before, p, first = work.solver.shares.before, work.p, work.islands.start[i]
-    for c in range(work.islands.start[i + 1] - first):
-        k = work.islands.contact[first + c]
-        r, t = work.n_joint + k, tangents_of(work, k)
+    before, p, first = work.impulses.solver.shares.before, work.impulses.p, work.posed.islands.start[i]
+    for c in range(work.posed.islands.start[i + 1] - first):
+        k = work.posed.islands.contact[first + c]
+        r, t = work.rows.n_joint + k, tangents_of(work, k)
         for x in range(3 if t >= 0 else 1):
             at = r if x == 0 else t + x - 1
             if back:
@@ -259,11 +263,11 @@ def put_forces(work: SpatialWork, i: int, back: bool) -> None:
 
 @late_kernel
 def judge_forces(work: SpatialWork, posed: bool, mend: bool) -> bool:
-    """Judge the forces ``work.p`` of the island solved last, mended where needed if that is asked for.
+    """Judge the forces ``work.impulses.p`` of the island solved last, mended where needed if that is asked for.
 
     Whether they are good enough.
     """
-    memory = work.solver
+    memory = work.impulses.solver
     if posed:
         give_forces(work)
         good = weigh_posed(memory)
@@ -282,8 +286,8 @@ def judge_forces(work: SpatialWork, posed: bool, mend: bool) -> bool:
 @late_kernel
 def divide(work: SpatialWork, i: int, posed: bool) -> bool:
     """Divide the loads of island i until shares and forces agree; False where sweeps find no forces for them."""
-    shares = work.solver.shares
-    n = work.islands.start[i + 1] - work.islands.start[i]
+    shares = work.impulses.solver.shares
+    n = work.posed.islands.start[i + 1] - work.posed.islands.start[i]
     for _ in range(TURNS):
         moved = False
         for c in range(n):
@@ -298,17 +302,17 @@ def divide(work: SpatialWork, i: int, posed: bool) -> bool:
 
 @kernel
 def share_loads(work: SpatialWork, i: int, posed: bool) -> None:
-    """Divide the loads of the contacts of island i, whose forces ``work.p`` have just been judged good enough.
+    """Divide the loads of the contacts of island i, whose forces ``work.impulses.p`` have just been judged good enough.
 
     posed: as one dense problem, joints condensed. Where dividing leads nowhere, the forces stay as they are.
     """
-    n = work.islands.start[i + 1] - work.islands.start[i]
-    if work.solver.judged.sliding == 0 or n < NEEDED:
+    n = work.posed.islands.start[i + 1] - work.posed.islands.start[i]
+    if work.impulses.solver.judged.sliding == 0 or n < NEEDED:
         return
     if posed and shares_in_joints(work, i):
         for c in range(n):
-            work.solver.shares.leader[c] = 0
-        work.solver.shares.count[0] = n
+            work.impulses.solver.shares.leader[c] = 0
+        work.impulses.solver.shares.count[0] = n
     elif not find_groups(work, i):
         return
     put_forces(work, i, False)

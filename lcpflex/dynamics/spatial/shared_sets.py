@@ -25,22 +25,22 @@ TURNS = 12
 @kernel
 def slides(work: SpatialWork, sets: Any) -> bool:
     """Whether a contact of the island posed last slides, and there are enough to share a load."""
-    n = work.problem.n_contacts
+    n = work.posed.problem.n_contacts
     if n < NEEDED:
         return False
     found = False
     for c in range(n):
-        found = found or sets.mode[work.part[c]] == SLIDING
+        found = found or sets.mode[work.posed.part[c]] == SLIDING
     return found
 
 
 @kernel
 def note_slip(work: SpatialWork, sets: Any, s: Shares, load: float) -> None:
-    """Note a contact that slides and whose slip feels a change ``s.z`` of the forces of the rows of ``work.G``."""
-    problem, G = work.problem, work.G
+    """Note a contact that slides and whose slip feels a change ``s.z`` of the forces of the rows of ``scratch.G``."""
+    problem, G = work.posed.problem, work.scratch.G
     rows = problem.n_contacts + problem.n_tangents
     for c in range(problem.n_contacts):
-        k, j = work.part[c], sets.row_here[c]
+        k, j = work.posed.part[c], sets.row_here[c]
         if sets.mode[k] != SLIDING or j < 0:
             continue
         for x in range(j, j + 2):
@@ -48,7 +48,7 @@ def note_slip(work: SpatialWork, sets: Any, s: Shares, load: float) -> None:
             for y in range(rows):
                 felt += G[x, y] * s.z[y]
             if abs(felt) > MATTERS * load:
-                s.told = 1 + work.table.law[k]
+                s.told = 1 + work.rows.table.law[k]
 
 
 @kernel
@@ -57,7 +57,7 @@ def share_sets(work: SpatialWork, sets: Any, m: int) -> None:
 
     Where they cannot all push, some pull: an event ends the sets then.
     """
-    s, problem, G = work.solver.shares, work.problem, work.G
+    s, problem, G = work.impulses.solver.shares, work.posed.problem, work.scratch.G
     s.n, s.m = problem.n_contacts, m
     for c in range(s.n):
         s.contact[c] = c
@@ -67,7 +67,7 @@ def share_sets(work: SpatialWork, sets: Any, m: int) -> None:
     for r in range(m):
         i = sets.place[r]
         s.x[r], s.own[r] = sets.solution[r], G[i, i]
-        s.weight[r] = work.table.weight[work.part[s.contact[r]]]
+        s.weight[r] = work.rows.table.weight[work.posed.part[s.contact[r]]]
         load = max(load, abs(sets.free[i]))
         for q in range(m):
             s.W[r, q] = sets.reduced[r, q]
@@ -78,17 +78,17 @@ def share_sets(work: SpatialWork, sets: Any, m: int) -> None:
         d = s.x[r] - sets.solution[r]
         sets.solution[r] = s.x[r]
         s.z[sets.place[r]] += d
-        k, j = work.part[s.contact[r]], sets.row_here[s.contact[r]]
+        k, j = work.posed.part[s.contact[r]], sets.row_here[s.contact[r]]
         if r < s.n and j >= 0 and sets.mode[k] == SLIDING:
-            s.z[j] -= work.mu[k] * sets.along[k, 0] * d
-            s.z[j + 1] -= work.mu[k] * sets.along[k, 1] * d
+            s.z[j] -= work.rows.mu[k] * sets.along[k, 0] * d
+            s.z[j + 1] -= work.rows.mu[k] * sets.along[k, 1] * d
     note_slip(work, sets, s, load)
 
 
 @kernel
 def gather_mixed(work: SpatialWork, sets: Any) -> bool:
     """Contacts of ``sets.problem``, just judged, that touch, as a problem of shares; whether some slide, of enough."""
-    s, p = work.solver.shares, sets.problem
+    s, p = work.impulses.solver.shares, sets.problem
     load, n, sliding = 0.0, 0, False
     for r in range(p.m):
         load = max(load, p.unit[r] * abs(p.q[r]))
@@ -100,7 +100,7 @@ def gather_mixed(work: SpatialWork, sets: Any) -> bool:
     m = n
     for e in range(n):
         c = s.member[e]
-        k, t = work.part[c], p.at[c]
+        k, t = work.posed.part[c], p.at[c]
         s.along[e, 0], s.along[e, 1], s.rough[e] = 0.0, 0.0, -1
         if t < 0:
             sliding = sliding or sets.mode[k] == SLIDING
@@ -119,7 +119,7 @@ def gather_mixed(work: SpatialWork, sets: Any) -> bool:
 @kernel
 def pose_mixed(work: SpatialWork, sets: Any) -> None:
     """The contacts gathered as a problem of shares."""
-    s, p = work.solver.shares, sets.problem
+    s, p = work.impulses.solver.shares, sets.problem
     for e in range(s.n):
         c, t = s.member[e], s.rough[e]
         s.part[e], s.contact[e] = c, e
@@ -129,8 +129,8 @@ def pose_mixed(work: SpatialWork, sets: Any) -> None:
     for r in range(s.m):
         i = s.part[r]
         place = sets.place[i]
-        s.x[r], s.own[r] = p.r[i], work.G[place, place]
-        s.weight[r] = work.table.weight[work.part[s.member[s.contact[r]]]]
+        s.x[r], s.own[r] = p.r[i], work.scratch.G[place, place]
+        s.weight[r] = work.rows.table.weight[work.posed.part[s.member[s.contact[r]]]]
         for q in range(s.m):
             s.W[r, q] = p.W[i, s.part[q]]
     for e in range(s.n):
@@ -144,14 +144,14 @@ def pose_mixed(work: SpatialWork, sets: Any) -> None:
 @kernel
 def take_mixed(work: SpatialWork, sets: Any) -> float:
     """The shares found to ``p.r``; the largest change of a normal force, over the largest one."""
-    s, p = work.solver.shares, sets.problem
+    s, p = work.impulses.solver.shares, sets.problem
     most, largest = 0.0, 0.0
     for e in range(s.n):
         c = s.member[e]
         most, largest = max(most, abs(s.x[e] - p.r[c])), max(largest, p.r[c])
     if not most > SETTLED * largest:
         return 0.0
-    for r in range(work.problem.n_contacts + work.problem.n_tangents):
+    for r in range(work.posed.problem.n_contacts + work.posed.problem.n_tangents):
         s.z[r] = 0.0
     for r in range(s.m):
         s.z[sets.place[s.part[r]]] = s.x[r] - p.r[s.part[r]]
@@ -160,12 +160,12 @@ def take_mixed(work: SpatialWork, sets: Any) -> float:
         load = max(load, abs(p.q[r]))
     for e in range(s.n):
         c = s.member[e]
-        k, t, j, d = work.part[c], p.at[c], sets.row_here[c], s.x[e] - p.r[c]
+        k, t, j, d = work.posed.part[c], p.at[c], sets.row_here[c], s.x[e] - p.r[c]
         if t >= 0 and s.rough[e] < 0:
             p.r[t], p.r[t + 1] = s.along[e, 0] * s.x[e], s.along[e, 1] * s.x[e]
             s.z[sets.place[t]], s.z[sets.place[t + 1]] = s.along[e, 0] * d, s.along[e, 1] * d
         elif j >= 0 and sets.mode[k] == SLIDING:
-            s.z[j], s.z[j + 1] = -work.mu[k] * sets.along[k, 0] * d, -work.mu[k] * sets.along[k, 1] * d
+            s.z[j], s.z[j + 1] = -work.rows.mu[k] * sets.along[k, 0] * d, -work.rows.mu[k] * sets.along[k, 1] * d
     for r in range(s.m):
         p.r[s.part[r]] = s.x[r]
     note_slip(work, sets, s, load)
@@ -175,7 +175,7 @@ def take_mixed(work: SpatialWork, sets: Any) -> float:
 @late_kernel
 def divide_mixed(work: SpatialWork, sets: Any, tolerance: float) -> float:
     """Divide the loads of ``sets.problem`` until shares and forces agree; the residual of what they come to."""
-    s, p = work.solver.shares, sets.problem
+    s, p = work.impulses.solver.shares, sets.problem
     residual = judge_mixed(p, p.r)
     for _ in range(TURNS):
         if not gather_mixed(work, sets):
@@ -201,10 +201,10 @@ def share_mixed(work: SpatialWork, sets: Any, tolerance: float, residual: float)
 
     Where that leads nowhere, the forces stay as they are.
     """
-    s, p, before = work.solver.shares, sets.problem, work.solver.shares.before
+    s, p, before = work.impulses.solver.shares, sets.problem, work.impulses.solver.shares.before
     for c in range(p.n):
         s.idle[c] = 0
-    if p.n < NEEDED or work.shifted == 1 or not residual <= tolerance:
+    if p.n < NEEDED or work.posed.shifted == 1 or not residual <= tolerance:
         return residual
     judge_mixed(p, p.r)
     if not gather_mixed(work, sets):

@@ -57,7 +57,7 @@ def factor(sets: Any, m: int) -> int:
 @kernel
 def weigh(work: SpatialWork, sets: Any, m: int) -> None:
     """D to ``slack``, over the largest weight of the island posed last."""
-    n, part, weight = work.problem.n_contacts, work.part, work.table.weight
+    n, part, weight = work.posed.problem.n_contacts, work.posed.part, work.rows.table.weight
     largest = 0.0
     for c in range(n):
         largest = max(largest, weight[part[c]])

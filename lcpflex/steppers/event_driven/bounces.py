@@ -40,8 +40,8 @@ def note_strike(memory: EventMemory, key: int) -> None:
 def too_low(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, k: int) -> bool:
     """Whether entry k of the table, which approaches, would bounce less high than a gap is resolved."""
     t = memory.time
-    key = work.table.key[k]
-    e = model.contacts.restitution[work.table.law[k]]
+    key = work.rows.table.key[k]
+    e = model.contacts.restitution[work.rows.table.law[k]]
     for i in range(min(memory.n_struck, REMEMBERED)):
         if memory.struck_key[i] == key and e > 0.0:
             before = memory.struck_time[i, 0] if memory.struck_time[i, 0] != t else memory.struck_time[i, 1]

@@ -97,7 +97,7 @@ def first_closing(
     first = 2.0
     last = 0
     for i in range(count):
-        present = entry_of(work.table.key, n, memory.seen.key[i], last)
+        present = entry_of(work.rows.table.key, n, memory.seen.key[i], last)
         if present >= 0:
             last = present + 1
             continue
@@ -178,7 +178,7 @@ def first_dip(
     least = high
     last = 0
     for i in range(count):
-        present = entry_of(work.table.key, memory.n_contacts, memory.near.key[i], last)
+        present = entry_of(work.rows.table.key, memory.n_contacts, memory.near.key[i], last)
         if present >= 0:
             last = present + 1
             continue

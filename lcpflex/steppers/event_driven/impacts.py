@@ -50,19 +50,19 @@ CHAIN = 1000  # impacts of single contacts at one instant, after which they are 
 @kernel
 def account(model: Model, work: Workspace, memory: EventMemory, recorder: Recorder, u: FloatArray) -> None:
     """Energy and impulses of the impact just solved, u after, ``memory.u`` before: p does p (w . u + w . u+) / 2."""
-    n_joint = work.n_joint
-    n = work.n_contacts
+    n_joint = work.rows.n_joint
+    n = work.rows.n_contacts
     base = memory.nq + len(u)
     if n_joint > 0:
         note_impulses(model, work, True, recorder.reactions)
-    for r in range(n_joint + n + work.n_tangents):
-        p = work.p[r]
+    for r in range(n_joint + n + work.rows.n_tangents):
+        p = work.impulses.p[r]
         if p == 0.0:
             continue
-        before = row_velocity(work.rows, work.row_body, r, work.dof, memory.u)
-        done = 0.5 * p * (before + row_velocity(work.rows, work.row_body, r, work.dof, u))
+        before = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, memory.u)
+        done = 0.5 * p * (before + row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u))
         if r < n_joint:
-            if work.rate[r] != 0.0:
+            if work.rows.rate[r] != 0.0:
                 memory.y[base + 2] += done
             continue
         memory.gained += done
@@ -71,13 +71,13 @@ def account(model: Model, work: Workspace, memory: EventMemory, recorder: Record
             k = r - n_joint
             recorder.counts.lost_impacts -= done
         else:
-            k = work.tangent[r - n_joint - n]
+            k = work.rows.tangent[r - n_joint - n]
             part = 1
             memory.y[base] -= done
-        law = work.table.law[k]
+        law = work.rows.table.law[k]
         memory.law_work[law] += done
         if part == 0 and memory.jamming == 0 and memory.stopping != 1:
-            note_strike(memory, work.table.key[k])
+            note_strike(memory, work.rows.table.key[k])
         if memory.law_state[2, law] == 0 and memory.stopping != 1:
             memory.law_state[2, law] = JAM if memory.jamming == 1 else HIT
         memory.y[base + 3 + 2 * law + part] += p
@@ -88,8 +88,11 @@ def keep_closed(settings: EventSettings, work: Workspace, memory: EventMemory, u
     """Keep those contacts in the table that do not leave, by the rows laid."""
     kept = 0
     for k in range(memory.n_found):
-        if row_velocity(work.rows, work.row_body, work.n_joint + k, work.dof, u) <= settings.velocity_threshold:
-            copy_entry(work.table, k, work.table, kept)
+        if (
+            row_velocity(work.rows.J, work.rows.body, work.rows.n_joint + k, work.rows.dof, u)
+            <= settings.velocity_threshold
+        ):
+            copy_entry(work.rows.table, k, work.rows.table, kept)
             kept += 1
     memory.n_found = kept
 
@@ -103,8 +106,8 @@ def note_tie(settings: EventSettings, work: Workspace, memory: EventMemory, k: i
         memory.ties += 1
         if memory.ties == 1:
             memory.first_tie = memory.time
-            memory.tied[0] = work.table.law[0]
-            memory.tied[1] = work.table.law[k]
+            memory.tied[0] = work.rows.table.law[0]
+            memory.tied[1] = work.rows.table.law[k]
 
 
 @kernel
@@ -125,7 +128,7 @@ def fastest_approach(settings: EventSettings, work: Workspace, memory: EventMemo
     lowest = 0.0
     coupled = False
     for k in range(n):
-        v = row_velocity(work.rows, work.row_body, work.n_joint + k, work.dof, u)
+        v = row_velocity(work.rows.J, work.rows.body, work.rows.n_joint + k, work.rows.dof, u)
         if guarded and k > 0 and abs(v - memory.approach[k]) > 1e-3 * threshold:
             coupled = coupled or min(v, memory.approach[k]) < -threshold
         if in_turn and k > 0:
@@ -150,9 +153,9 @@ def fastest_approach(settings: EventSettings, work: Workspace, memory: EventMemo
 def bring_forward(work: Workspace, memory: EventMemory, k: int) -> None:
     """Exchange entry k of the table with the first one."""
     if k > 0:
-        copy_entry(work.table, 0, memory.seen, 0)
-        copy_entry(work.table, k, work.table, 0)
-        copy_entry(memory.seen, 0, work.table, k)
+        copy_entry(work.rows.table, 0, memory.seen, 0)
+        copy_entry(work.rows.table, k, work.rows.table, 0)
+        copy_entry(memory.seen, 0, work.rows.table, k)
         memory.approach[0], memory.approach[k] = memory.approach[k], memory.approach[0]
 
 
@@ -191,16 +194,16 @@ def strike_alone(
     model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, recorder: Recorder, u: FloatArray
 ) -> int:
     """Impact of the only contact laid, by a law that integrates it."""
-    restitution = model.contacts.restitution[work.table.law[0]]
+    restitution = model.contacts.restitution[work.rows.table.law[0]]
     pose_island(work, 0)
-    forget_islands(work.islands)
-    count = impact_phases(settings.law, work.problem, restitution, memory.segments)
+    forget_islands(work.posed.islands)
+    count = impact_phases(settings.law, work.posed.problem, restitution, memory.segments)
     if count < 0:
         return UNSOLVED
-    total = work.n_joint + 1 + work.n_tangents
+    total = work.rows.n_joint + 1 + work.rows.n_tangents
     for i in range(count):
         lay_impulse(work, memory.segments[i, 0], memory.segments[i, 1])
-        apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, u)
+        apply_impulses(work.rows.solved, work.rows.body, 0, total, work.impulses.p, work.rows.dof, u)
         account(model, work, memory, recorder, u)
         for c in range(len(u)):
             memory.u[c] = u[c]
@@ -216,13 +219,15 @@ def without_restitution(memory: EventMemory) -> bool:
 
 @kernel
 def compressed(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
-    """Whether contacts give back some of the impulses just laid: at least how much, to ``work.least``."""
+    """Whether contacts give back some of the impulses just laid: at least how much, to ``work.posed.least``."""
     if not gives_back(settings.law) or memory.stage == EXPANDING or without_restitution(memory):
         return False
     gives = False
-    for k in range(work.n_contacts):
-        work.least[k] = model.contacts.restitution[work.table.law[k]] * work.p[work.n_joint + k]
-        gives = gives or work.least[k] > 0.0
+    for k in range(work.rows.n_contacts):
+        work.posed.least[k] = (
+            model.contacts.restitution[work.rows.table.law[k]] * work.impulses.p[work.rows.n_joint + k]
+        )
+        gives = gives or work.posed.least[k] > 0.0
     return gives
 
 
@@ -232,7 +237,7 @@ def lay_impact(model: Model, settings: EventSettings, work: Workspace, memory: E
     threshold = math.inf if without_restitution(memory) else settings.velocity_threshold
     for i in range(len(u)):
         memory.u[i] = u[i]
-        work.free_u[i] = u[i]
+        work.free.u[i] = u[i]
         memory.reflected[i] = u[i] if simple(memory) or reflects(settings.law) else 0.0
     pose(model, work, memory.reflected, 0.0, threshold)
     memory.number = 0.0
@@ -262,7 +267,7 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
     n = memory.n_found
     if not looking and memory.alone == 1:
         n = 1
-    if not unfinished(work.islands):
+    if not unfinished(work.posed.islands):
         lay_rows(model, memory.time, q, u, n, work, memory.sets)
         if looking:
             limit = CHAIN + ROUNDS if settings.sequential or integrates(settings.law) else ROUNDS
@@ -285,13 +290,15 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
             end(memory, recorder)
             return AGAIN
         if memory.stage == EXPANDING:
-            work.shifted = 1
+            work.posed.shifted = 1
         elif memory.nudging == 1:
             for k in range(n):
-                work.free[work.n_joint + k] -= settings.velocity_threshold  # an approach assumed where there is none
+                work.free.v[work.rows.n_joint + k] -= (
+                    settings.velocity_threshold
+                )  # an approach assumed where there is none
     warm = last = False
     if solve_strike(work, memory.sets, memory.time, settings.tolerance, warm, last, recorder) != RunStatus.DONE:
-        memory.number = work.number
+        memory.number = work.impulses.number
         return UNSOLVED
     answer_joints(work)
     add_impulses(work, u)

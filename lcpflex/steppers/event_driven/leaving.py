@@ -85,7 +85,7 @@ def leave_passing(model: Model, settings: EventSettings, work: Workspace, memory
         law = seen.law[k]
         touches = False
         for i in range(memory.n_contacts):
-            touches = touches or work.table.law[i] == law
+            touches = touches or work.rows.table.law[i] == law
         later = leaving_time(model, settings, memory, k) if touches else math.inf
         if touches and rises(model, settings, memory, k):
             continue

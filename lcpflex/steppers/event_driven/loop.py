@@ -62,20 +62,22 @@ def note_forces(
     memory: EventMemory,
     recorder: Recorder,
 ) -> None:
-    """Add the touching points with the forces ``work.p`` to the instant about to be stored."""
-    n = work.n_contacts
+    """Add the touching points with the forces ``work.impulses.p`` to the instant about to be stored."""
+    n = work.rows.n_contacts
     for k in range(n):
-        r = work.n_joint + k
+        r = work.rows.n_joint + k
         force_t = 0.0
         state = STICK if memory.sets.mode[k] == STICKING else SLIP
         if memory.sets.mode[k] != SMOOTH:
-            tangent = work.n_joint + n + memory.sets.tangent_of[k]
-            force_t = work.p[tangent]
-            slip = row_velocity(work.rows, work.row_body, tangent, work.dof, u)
+            tangent = work.rows.n_joint + n + memory.sets.tangent_of[k]
+            force_t = work.impulses.p[tangent]
+            slip = row_velocity(work.rows.J, work.rows.body, tangent, work.rows.dof, u)
             if abs(slip) <= settings.slip_threshold:
                 state = STICK
-        place = contact_point(model, q, work.table, k)
-        note_contact(recorder, work.table.law[k], place, work.table.normal[k], work.p[r], force_t, state)
+        place = contact_point(model, q, work.rows.table, k)
+        note_contact(
+            recorder, work.rows.table.law[k], place, work.rows.table.normal[k], work.impulses.p[r], force_t, state
+        )
 
 
 @kernel
@@ -94,7 +96,7 @@ def record(
     u = y[memory.nq : base]
     slope(model, t, y, work, memory, memory.slope)
     n = memory.n_contacts
-    points = n + work.compliant.n_contacts
+    points = n + work.compliant.rows.n_contacts
     if recorder.n_instants >= len(recorder.times) or (
         recorder.n_points + points > len(recorder.points) and recorder.n_points > 0
     ):
@@ -117,9 +119,9 @@ def record(
         if recorder.gap[row, law] < 0.0 and is_penetration(recorder, law):
             recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -recorder.gap[row, law])
     note_forces(model, settings, q, u, work, memory, recorder)
-    if work.compliant.n_contacts > 0:
+    if work.compliant.rows.n_contacts > 0:
         note_compliant(model, q, work.compliant, False, recorder)
-    if work.n_joint > 0:
+    if work.rows.n_joint > 0:
         note_instant(model, work, recorder.rates.now, recorder.reactions)
     store_state(model, t, q, u, work, elastic_energy(model, work.compliant), recorder)
     return RunStatus.DONE
@@ -187,14 +189,14 @@ def close_step(model: Model, settings: EventSettings, memory: EventMemory) -> No
 @kernel
 def count_impulses(work: Workspace, memory: EventMemory) -> None:
     """Add the impulses of a projection of velocities: what drift, and approach below the threshold, have cost."""
-    first = work.n_joint
-    n = work.n_contacts
+    first = work.rows.n_joint
+    n = work.rows.n_contacts
     base = memory.nq + len(memory.u) + 3
     for k in range(memory.n_contacts):
-        law = base + 2 * work.table.law[k]
-        memory.y[law] += work.p[first + k]
+        law = base + 2 * work.rows.table.law[k]
+        memory.y[law] += work.impulses.p[first + k]
         if memory.sets.tangent_of[k] >= 0:
-            memory.y[law + 1] += work.p[first + n + memory.sets.tangent_of[k]]
+            memory.y[law + 1] += work.impulses.p[first + n + memory.sets.tangent_of[k]]
 
 
 @kernel

@@ -71,28 +71,28 @@ def watch(model: Model, work: Workspace, memory: EventMemory, y: FloatArray) -> 
     nq = memory.nq
     q = y[:nq]
     u = y[nq : nq + len(memory.u)]
-    n_joint = work.n_joint
+    n_joint = work.rows.n_joint
     n = memory.n_contacts
     memory.force = 0.0
     for k in range(n):
-        p_n = work.p[n_joint + k]
+        p_n = work.impulses.p[n_joint + k]
         memory.value[PRESSURE, k] = p_n
         memory.value[CONE, k] = math.inf
         memory.value[SLIDING, k] = math.inf
-        memory.value[SPAN, k] = foot_margin(model, q, work.table, k)
-        memory.value[SPAN, k] = min(memory.value[SPAN, k], node_margin(model, q, work.table, k))
+        memory.value[SPAN, k] = foot_margin(model, q, work.rows.table, k)
+        memory.value[SPAN, k] = min(memory.value[SPAN, k], node_margin(model, q, work.rows.table, k))
         size = abs(p_n)
-        if work.own[k] > 0.0:
-            size = max(size, abs(work.effect[k]) / work.own[k])
+        if work.posed.own[k] > 0.0:
+            size = max(size, abs(work.posed.effect[k]) / work.posed.own[k])
         memory.force = max(memory.force, size)
         tangent = memory.sets.tangent_of[k]
         if tangent >= 0:
             r = n_joint + n + tangent
             if memory.sets.mode[k] == STICKING:
-                memory.value[CONE, k] = work.mu[k] * p_n - abs(work.p[r])
+                memory.value[CONE, k] = work.rows.mu[k] * p_n - abs(work.impulses.p[r])
             else:
                 sign = sliding_sign(memory.sets.mode[k])
-                memory.value[SLIDING, k] = sign * row_velocity(work.rows, work.row_body, r, work.dof, u)
+                memory.value[SLIDING, k] = sign * row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u)
 
 
 @in_space("lcpflex.steppers.spatial.sliding")
@@ -155,15 +155,15 @@ def compliant_step(model: Model, margin: float, last: float, work: Workspace, me
     longest = math.inf
     find_contacts(model, q, margin, contacts)
     fill_rows(model, q, contacts)
-    for k in range(contacts.n_contacts):
-        gap = contacts.table.gap[k]
-        r = contacts.n_joint + k
-        approach = -row_velocity(contacts.rows, contacts.row_body, r, contacts.dof, u)
+    for k in range(contacts.rows.n_contacts):
+        gap = contacts.rows.table.gap[k]
+        r = contacts.rows.n_joint + k
+        approach = -row_velocity(contacts.rows.J, contacts.rows.body, r, contacts.rows.dof, u)
         if gap > 0.0:
-            pull = -row_velocity(contacts.rows, contacts.row_body, r, contacts.dof, a)
+            pull = -row_velocity(contacts.rows.J, contacts.rows.body, r, contacts.rows.dof, a)
             square = approach * approach + 2.0 * pull * gap  # of the speed at which they meet
             if square > 0.0 and (approach > 0.0 or pull > 0.0):
-                solve_rows(model, contacts, r, r + 1)
+                solve_rows(model, contacts.rows, r, r + 1)
                 speed = math.sqrt(square)
                 depth = compression(contacts, k, square, mobility(contacts, r))
                 longest = min(longest, 2.0 * gap / (approach + speed) + depth / speed)

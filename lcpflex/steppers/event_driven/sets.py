@@ -67,7 +67,7 @@ def law_states(work: Workspace, memory: EventMemory) -> None:
         memory.law_state[0, law] = memory.law_state[1, law]
         memory.law_state[row, law] = OPEN
     for k in range(memory.n_contacts):
-        law = work.table.law[k]
+        law = work.rows.table.law[k]
         if memory.sets.mode[k] == STICKING:
             memory.law_state[row, law] = STICK
         elif memory.law_state[row, law] == OPEN:
@@ -82,7 +82,7 @@ def sort_tangents(settings: EventSettings, n: int, work: Workspace, memory: Even
         tangent = memory.sets.tangent_of[k]
         memory.sets.mode[k] = SMOOTH
         if tangent >= 0:
-            slip = row_velocity(work.rows, work.row_body, work.n_joint + n + tangent, work.dof, u)
+            slip = row_velocity(work.rows.J, work.rows.body, work.rows.n_joint + n + tangent, work.rows.dof, u)
             memory.fastest = max(memory.fastest, abs(slip))
             if abs(slip) <= settings.slip_threshold:
                 memory.sets.mode[k] = STICKING
@@ -98,7 +98,7 @@ def read_sets(work: Workspace, memory: EventMemory) -> None:
     Contacts without force are left out. A contact that is at the edge of its cone without moving (one of several that
     share a load) is set to stick for a try; ``fallback`` keeps its mode at the edge.
     """
-    sets, problem, forces = memory.sets, work.problem, work.solver
+    sets, problem, forces = memory.sets, work.posed.problem, work.impulses.solver
     n = problem.n_contacts
     n_stick = reduce_sets(work, sets)
     largest = 0.0
@@ -109,20 +109,20 @@ def read_sets(work: Workspace, memory: EventMemory) -> None:
     others = False
     j = -1
     for c in range(n):
-        k = work.part[c]
+        k = work.posed.part[c]
         mode = sets.mode[k]
         tried = mode
         if mode == STICKING:
             j += 1
             force = forces.tangential[j]
-            edge = work.mu[k] * forces.normal[c] * (1.0 - FORCE_TOLERANCE)
+            edge = work.rows.mu[k] * forces.normal[c] * (1.0 - FORCE_TOLERANCE)
             if abs(force) >= edge:
                 mode = SLIDE_BACK if force > 0.0 else SLIDE_FORTH
                 if not rests(n, n_stick, n + j, work, sets):
                     tried = mode
         kept = not forces.normal[c] <= CARRIES * largest
         if not kept and others and largest > 0.0 and rests(n, n_stick, c, work, sets):
-            memory.spared = 1 + work.table.law[k]
+            memory.spared = 1 + work.rows.table.law[k]
         others = others or kept
         sets.kept[k] = 1 if kept else 0
         sets.tried[k] = tried
@@ -137,7 +137,7 @@ def keep_sets(n: int, work: Workspace, memory: EventMemory) -> None:
     kept = 0
     for k in range(n):
         if sets.kept[k] == 1:
-            copy_entry(work.table, k, work.table, kept)
+            copy_entry(work.rows.table, k, work.rows.table, kept)
             sets.mode[kept] = sets.tried[k]
             sets.fallback[kept] = sets.fallback[k]
             kept += 1
@@ -150,7 +150,7 @@ def rests(n: int, n_stick: int, r: int, work: Workspace, sets: ContactSets) -> b
     total = sets.right[r]
     size = abs(total)
     for c in range(n + n_stick):
-        x = work.solver.normal[c] if c < n else work.solver.tangential[c - n]
+        x = work.impulses.solver.normal[c] if c < n else work.impulses.solver.tangential[c - n]
         total += sets.reduced[r, c] * x
         size += abs(sets.reduced[r, c] * x)
     return abs(total) <= FORCE_TOLERANCE * size
@@ -177,26 +177,26 @@ def fall_back(memory: EventMemory) -> None:
 @kernel
 def note_paradox(settings: EventSettings, work: Workspace, memory: EventMemory) -> None:
     """Remember that contacts of an island may move in several ways, and which contacts the first ones were."""
-    if several_motions(work.problem, work.solver, settings.tolerance, memory.trials):
+    if several_motions(work.posed.problem, work.impulses.solver, settings.tolerance, memory.trials):
         memory.several_now = 1
         memory.several += 1
         if memory.several == 1:
             memory.first_several = memory.time
-            for c in range(work.problem.n_contacts):
-                memory.taken[work.problem.pair[c]] = OPEN
+            for c in range(work.posed.problem.n_contacts):
+                memory.taken[work.posed.problem.pair[c]] = OPEN
 
 
 @kernel
 def still_approach(settings: EventSettings, work: Workspace, u: FloatArray) -> bool:
     """Whether contacts about to be let go approach, slower than the threshold: they would close again and again."""
-    p, part, n_joint = work.p, work.part, work.n_joint
-    n = work.problem.n_contacts
+    p, part, n_joint = work.impulses.p, work.posed.part, work.rows.n_joint
+    n = work.posed.problem.n_contacts
     largest = 0.0
     for c in range(n):
         largest = max(largest, p[n_joint + part[c]])
     for c in range(n):
         if p[n_joint + part[c]] <= CARRIES * largest:
-            v = row_velocity(work.rows, work.row_body, n_joint + part[c], work.dof, u)
+            v = row_velocity(work.rows.J, work.rows.body, n_joint + part[c], work.rows.dof, u)
             if v < -SLOWEST * settings.velocity_threshold:
                 return True
     return False
@@ -205,7 +205,7 @@ def still_approach(settings: EventSettings, work: Workspace, u: FloatArray) -> b
 @in_space("lcpflex.steppers.spatial.sets")
 @kernel
 def solve_on_sets(work: Workspace, sets: ContactSets, i: int, tolerance: float, warm: bool, recorder: Recorder) -> int:
-    """Forces of the contacts of island i to ``work.p``, on their sets; returns as :func:`solve_island`."""
+    """Forces of the contacts of island i to ``work.impulses.p``, on their sets; returns as :func:`solve_island`."""
     return solve_island(work, i, tolerance, warm, recorder)
 
 
@@ -218,7 +218,7 @@ def choose(model: Model, settings: EventSettings, work: Workspace, memory: Event
     n = memory.n_found
     q = memory.y[: memory.nq]
     u = memory.y[memory.nq : memory.nq + len(memory.u)]
-    islands = work.islands
+    islands = work.posed.islands
     if n > 0 and not unfinished(islands):
         assemble(model, memory.time, q, u, n, work, memory.sets)
         sort_tangents(settings, n, work, memory, u)
@@ -228,7 +228,7 @@ def choose(model: Model, settings: EventSettings, work: Workspace, memory: Event
     while n > 0 and islands.next < islands.count:
         status = solve_on_sets(work, memory.sets, islands.next, settings.tolerance, warm, recorder)
         if status != RunStatus.DONE:
-            memory.number = work.number
+            memory.number = work.impulses.number
             return UNSOLVED
         if memory.stopping == 0 and still_approach(settings, work, u):
             memory.stopping = 1
@@ -295,5 +295,5 @@ def gather(model: Model, settings: EventSettings, work: Workspace, memory: Event
     memory.nudges = 0
     memory.stopping = 0
     for k in range(found):
-        copy_entry(memory.seen, k, work.table, k)
+        copy_entry(memory.seen, k, work.rows.table, k)
     return True

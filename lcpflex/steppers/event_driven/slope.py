@@ -19,7 +19,7 @@ __all__ = ["slope"]
 @kernel
 def add_compliant(contacts: CompliantContacts, u: FloatArray, base: int, out: FloatArray) -> None:
     """Losses and impulses of compliant contacts; what their damping takes is also among that of all damping."""
-    for k in range(contacts.n_contacts):
+    for k in range(contacts.rows.n_contacts):
         out[len(out) - 1] -= (contacts.p[k, 0] - contacts.elastic[k]) * contacts.rate[k]
     for i in range(len(contacts.friction)):
         power = contacts.friction[i] * u[i]
@@ -36,7 +36,7 @@ def find_slips(work: Workspace, sets: ContactSets, u: FloatArray) -> None:
 
 @kernel
 def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventMemory, out: FloatArray) -> None:
-    """out = dy/dt with the sets as they are; constraint forces are left in ``work.p``."""
+    """out = dy/dt with the sets as they are; constraint forces are left in ``work.impulses.p``."""
     nq, ndof = memory.nq, len(memory.u)
     base = nq + ndof
     q = y[:nq]
@@ -49,13 +49,13 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventM
         out[i] = 0.0
     rate(model, q, u, out)
     for i in range(ndof):
-        out[nq + i] = work.free_u[i]
-        out[base + 1] -= work.dissipative[i] * u[i]
-        out[base + 2] += work.driving[i] * u[i]
-    n_joint = work.n_joint
+        out[nq + i] = work.free.u[i]
+        out[base + 1] -= work.free.dissipative[i] * u[i]
+        out[base + 2] += work.free.driving[i] * u[i]
+    n_joint = work.rows.n_joint
     for r in range(n_joint):
-        if work.rate[r] != 0.0:
-            out[base + 2] += work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
+        if work.rows.rate[r] != 0.0:
+            out[base + 2] += work.impulses.p[r] * row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u)
     add_compliant(work.compliant, u, base, out)
     add_rates(work, memory, u, base, out)
 
@@ -64,12 +64,12 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventM
 @kernel
 def add_rates(work: Workspace, memory: EventMemory, u: FloatArray, base: int, out: FloatArray) -> None:
     """Rates of what contact forces do and sum up to, after ``fixed_forces``."""
-    n_joint, n = work.n_joint, work.n_contacts
+    n_joint, n = work.rows.n_joint, work.rows.n_contacts
     for k in range(n):
-        law = base + 3 + 2 * work.table.law[k]
-        out[law] += work.p[n_joint + k]
+        law = base + 3 + 2 * work.rows.table.law[k]
+        out[law] += work.impulses.p[n_joint + k]
         tangent = memory.sets.tangent_of[k]
         if tangent >= 0:
             r = n_joint + n + tangent
-            out[law + 1] += work.p[r]
-            out[base] -= work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
+            out[law + 1] += work.impulses.p[r]
+            out[base] -= work.impulses.p[r] * row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u)

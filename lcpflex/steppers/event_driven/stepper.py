@@ -97,7 +97,7 @@ class EventDrivenSteps:
         self._proven = True  # that there was no solution where none was found
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
         self._work = system.workspace(FIRST_ROOM)
-        self._work.solver.method = solver_method(stepper.solver, is_spatial(system.model))
+        self._work.impulses.solver.method = solver_method(stepper.solver, is_spatial(system.model))
         self.clock = event_memory(system, FIRST_ROOM, 64, FIRST_ROOM)
         self.clock.step = 0.0 if stepper.first_step is None else stepper.first_step
         self.clock.last_event = -math.inf
@@ -117,7 +117,7 @@ class EventDrivenSteps:
         """Declared contacts of the present sets."""
         at_event = self.clock.phase in (COLLIDING, CHOOSING)
         count = int(self.clock.n_found if at_event else self.clock.n_contacts)
-        return self._work.table.law[:count]
+        return self._work.rows.table.law[:count]
 
     @property
     def events(self) -> list[tuple[float, str, int, float]]:
@@ -200,7 +200,7 @@ class EventDrivenSteps:
 
     def _rescued(self) -> bool:
         """Whether another way has solved the problem; in space those on index sets have no other one."""
-        if self._in_space and (self.clock.phase == CHOOSING or self._work.shifted == 1):
+        if self._in_space and (self.clock.phase == CHOOSING or self._work.posed.shifted == 1):
             return False
         return self._rescue(self._work, self.clock.time)
 
@@ -214,19 +214,19 @@ class EventDrivenSteps:
         if memory.phase != CHOOSING or memory.nudges >= MOST_JAMS:
             return False
         if self._in_space:
-            self._proven &= work.problem.n_contacts == 1
+            self._proven &= work.posed.problem.n_contacts == 1
             pull = own_pulls(sets.problem)
-        elif work.solver.size <= MOST_TRIED:  # is there really none?
-            solution = Enumeration().solve(posed_lcp(work.problem, work.solver))
+        elif work.impulses.solver.size <= MOST_TRIED:  # is there really none?
+            solution = Enumeration().solve(posed_lcp(work.posed.problem, work.impulses.solver))
             if solution.solved:
-                put_solution(work.problem, work.solver, solution)
+                put_solution(work.posed.problem, work.impulses.solver, solution)
                 return True
             self._proven &= solution.status in (Status.NO_SOLUTION, Status.INFEASIBLE)
         else:
             self._proven = False
         if not self._in_space:
-            pull = own_pull(work.problem)
-        islands = work.islands
+            pull = own_pull(work.posed.problem)
+        islands = work.posed.islands
         first = islands.start[islands.next]
         # < 0: its own force pulls this contact in
         memory.target = int(islands.contact[first + pull.argmin()])
@@ -237,7 +237,7 @@ class EventDrivenSteps:
         memory.phase = COLLIDING
         if memory.jams == 1:
             self.clock.first_jam = self.clock.time
-            self._first_jam = self.system.contact_name(work.table.law[memory.target])
+            self._first_jam = self.system.contact_name(work.rows.table.law[memory.target])
         return True
 
     def remarks(self) -> tuple[list[str], list[str]]:
@@ -262,10 +262,10 @@ class EventDrivenSteps:
         """Larger tables with the same content: of contacts, of what is near (negative), of the largest island."""
         old_work, old = self._work, self.clock
         capacity, near = max(len(old.seen.key), 2 * needed), max(len(old.near.key), -2 * needed)
-        dense = grown(len(old_work.problem.friction), old_work.most)
+        dense = grown(len(old_work.posed.problem.friction), old_work.impulses.most)
         self._work = self.system.workspace(capacity, before=old_work, dense=dense)
         new = event_memory(self.system, capacity, near, dense)
-        copy_parts(old_work.table, self._work.table)
+        copy_parts(old_work.rows.table, self._work.rows.table)
         copy_parts(old.sets, new.sets)
         for name in CARRIED:
             getattr(new, name)[...] = getattr(old, name)

@@ -19,12 +19,12 @@ __all__ = ["go_on_from", "mix"]
 
 @kernel
 def go_on_from(work: Workspace, scheme: AlphaScheme) -> None:
-    """The next iterate is what this pass came to, ``work.free_u``."""
+    """The next iterate is what this pass came to, ``work.free.u``."""
     mixing = scheme.mixing
     for i in range(len(scheme.w_new)):
-        mixing.fault[i] = work.free_u[i] - scheme.w_new[i]
-        mixing.answer[i] = work.free_u[i]
-        scheme.w_new[i] = work.free_u[i]
+        mixing.fault[i] = work.free.u[i] - scheme.w_new[i]
+        mixing.answer[i] = work.free.u[i]
+        scheme.w_new[i] = work.free.u[i]
 
 
 @kernel
@@ -37,11 +37,11 @@ def mix(model: Model, work: Workspace, scheme: AlphaScheme) -> None:
     mixing.count += 1
     used = min(mixing.count, depth)
     for i in range(n):
-        fault = work.free_u[i] - scheme.w_new[i]
+        fault = work.free.u[i] - scheme.w_new[i]
         faults[column, i] = fault - mixing.fault[i]
-        answers[column, i] = work.free_u[i] - mixing.answer[i]
+        answers[column, i] = work.free.u[i] - mixing.answer[i]
         mixing.fault[i] = fault
-        mixing.answer[i] = work.free_u[i]
+        mixing.answer[i] = work.free.u[i]
     multiply(model, scheme.q_new, faults[column], work, weighted[column])
     for j in range(used):
         share[j] = dot(weighted[j], mixing.fault, 0, n)
@@ -50,7 +50,7 @@ def mix(model: Model, work: Workspace, scheme: AlphaScheme) -> None:
     cholesky(mixing.products, used, mixing.factor)
     cholesky_solve(mixing.factor, used, share)
     for i in range(n):
-        combined = work.free_u[i]
+        combined = work.free.u[i]
         for j in range(used):
             combined -= share[j] * answers[j, i]
         scheme.w_new[i] = combined

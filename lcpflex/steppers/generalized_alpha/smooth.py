@@ -20,8 +20,10 @@ from lcpflex.dynamics.impulse import answer_joints
 from lcpflex.dynamics.large_island import prepare_large
 from lcpflex.dynamics.mechanics import (
     contact_biases,
+    count_rows,
     factorise,
     fill_contact_rows,
+    fill_joint_rows,
     forces,
     multiply,
     solve_rows,
@@ -32,7 +34,6 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.configuration import advance
-from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.generalized_alpha.memory import (
@@ -75,21 +76,21 @@ def gather_resting(model: Model, work: Workspace, scheme: AlphaScheme) -> int:
     """Contacts closed at rest at the start of the step, with their modes; returns how many pairs are closed."""
     q, u = scheme.q, scheme.u
     scheme.n_found = 0
-    found = detect(model, q, scheme.gap_tolerance, work.table)
-    if found == 0 or found > len(work.table.key):
+    found = detect(model, q, scheme.gap_tolerance, work.rows.table)
+    if found == 0 or found > len(work.rows.table.key):
         return found
-    n_joint = len(work.residual)
-    n_tangent = fill_contact_rows(model, q, found, n_joint, work)
+    n_joint = len(work.scratch.residual)
+    n_tangent = fill_contact_rows(model, q, found, n_joint, work.rows)
     kept = 0
     j = 0
     for k in range(found):
-        frictional = j < n_tangent and work.tangent[j] == k
-        if abs(row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u)) <= scheme.velocity_threshold:
+        frictional = j < n_tangent and work.rows.tangent[j] == k
+        if abs(row_velocity(work.rows.J, work.rows.body, n_joint + k, work.rows.dof, u)) <= scheme.velocity_threshold:
             mode = FRICTIONLESS
             if frictional:
-                slip = row_velocity(work.rows, work.row_body, n_joint + found + j, work.dof, u)
+                slip = row_velocity(work.rows.J, work.rows.body, n_joint + found + j, work.rows.dof, u)
                 mode = slip_mode(slip, scheme.velocity_threshold)
-            copy_entry(work.table, k, work.table, kept)
+            copy_entry(work.rows.table, k, work.rows.table, kept)
             scheme.sets.mode[kept] = mode
             kept += 1
         if frictional:
@@ -112,20 +113,16 @@ def assemble_rows(
 ) -> int:
     """Factorise and lay all rows at the end of the step; returns the tangential ones."""
     q = scheme.q_new
-    n_joint = len(work.residual)
+    n_joint = len(work.scratch.residual)
     supply(model, t, q, scheme.v_new, work)
     factorise(model, q, alpha_c, alpha_k, work)
     if n_joint > 0:
-        joint_rows(
-            model, t, q, scheme.v_new, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias
-        )
+        fill_joint_rows(model, t, q, scheme.v_new, work.free.external, work.rows)
     for k in range(n):
-        refresh(model, q, work.table, k)
-    n_tangent = fill_contact_rows(model, q, n, n_joint, work)
-    solve_rows(model, work, 0, n_joint + n + n_tangent)
-    work.n_joint = n_joint
-    work.n_contacts = n
-    work.n_tangents = n_tangent
+        refresh(model, q, work.rows.table, k)
+    n_tangent = fill_contact_rows(model, q, n, n_joint, work.rows)
+    solve_rows(model, work.rows, 0, n_joint + n + n_tangent)
+    count_rows(work.rows, n_joint, n, n_tangent)
     return n_tangent
 
 
@@ -141,7 +138,7 @@ def pose_smooth(model: Model, h: float, t: float, work: Workspace, scheme: Alpha
         scheme.n_found = 0
         if scheme.skip == 0:
             found = gather_resting(model, work, scheme)
-            if found > len(work.table.key):
+            if found > len(work.rows.table.key):
                 return found
         n = scheme.n_found
         for i in range(len(scheme.w)):
@@ -150,19 +147,19 @@ def pose_smooth(model: Model, h: float, t: float, work: Workspace, scheme: Alpha
     alpha_c = h * scheme.gamma * (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     alpha_k = h * h * scheme.beta * (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     n_tangent = assemble_rows(model, t + h, alpha_c, alpha_k, n, work, scheme)
-    n_joint = work.n_joint
+    n_joint = work.rows.n_joint
     forces(model, t + h, scheme.q_new, scheme.v_new, work)
-    contact_biases(model, scheme.q_new, scheme.v_new, n, n_tangent, n_joint, work)
+    contact_biases(model, scheme.q_new, scheme.v_new, n, n_tangent, n_joint, work.rows)
     multiply(model, scheme.q_new, scheme.w_new, work, scheme.momentum)
     for i in range(len(scheme.w)):
-        work.free_u[i] = work.total[i] - scheme.momentum[i]
-    solve_vector(model, work, work.free_u)
+        work.free.u[i] = work.free.total[i] - scheme.momentum[i]
+    solve_vector(model, work, work.free.u)
     for i in range(len(scheme.w)):
-        work.free_u[i] += scheme.w_new[i]
+        work.free.u[i] += scheme.w_new[i]
     for r in range(n_joint + n + n_tangent):
-        work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u) + work.bias[r]
+        work.free.v[r] = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, work.free.u) + work.rows.bias[r]
     for r in range(n + n_tangent):
-        work.terms[r] = 0.0
+        work.free.terms[r] = 0.0
     lay_contacts(work)
     prepare_large(model, work)
     scheme.warm = pose_modes(model, alpha_c, work, scheme)
@@ -176,39 +173,39 @@ def pose_modes(model: Model, alpha_c: float, work: Workspace, scheme: AlphaSchem
 
     alpha_c: dv/dw of the velocity at the end of the step [s], which slip that turns asks for in space.
     """
-    for k in range(work.n_contacts):
+    for k in range(work.rows.n_contacts):
         scheme.sets.tangent_of[k] = -1
-    for j in range(work.n_tangents):
-        scheme.sets.tangent_of[work.tangent[j]] = j
-    return 1 if pose_sets(work, scheme.sets) == work.n_tangents else 0
+    for j in range(work.rows.n_tangents):
+        scheme.sets.tangent_of[work.rows.tangent[j]] = j
+    return 1 if pose_sets(work, scheme.sets) == work.rows.n_tangents else 0
 
 
 @kernel
 def add_row(work: Workspace, r: int, p: float, out: FloatArray) -> None:
     """out += rows_r p."""
     for i in range(2):
-        b = work.row_body[r, i]
+        b = work.rows.body[r, i]
         if b >= 0:
-            d = work.dof[b]
-            for k in range(work.dof[b + 1] - d):
-                out[d + k] += work.rows[r, i, k] * p
+            d = work.rows.dof[b]
+            for k in range(work.rows.dof[b + 1] - d):
+                out[d + k] += work.rows.J[r, i, k] * p
 
 
 @kernel
 def note_smooth(work: Workspace, scheme: AlphaScheme, at: EndForces, recorder: Recorder) -> None:
     """Hold the resting contacts with their forces, and the forces that do work, at one end of the step."""
-    n_joint = work.n_joint
+    n_joint = work.rows.n_joint
     at.contact[:, :] = 0.0
     scheme.resting.count = 0
     for i in range(len(scheme.v_new)):
         at.friction[i] = 0.0
         at.normal[i] = 0.0
-        at.damping[i] = work.dissipative[i]
-        at.drive[i] = work.driving[i]
-        at.conservative[i] = work.conservative[i]
+        at.damping[i] = work.free.dissipative[i]
+        at.drive[i] = work.free.driving[i]
+        at.conservative[i] = work.free.conservative[i]
     for r in range(n_joint):
-        if work.rate[r] != 0.0:
-            add_row(work, r, work.p[r], at.drive)
+        if work.rows.rate[r] != 0.0:
+            add_row(work, r, work.impulses.p[r], at.drive)
     note_resting(work, scheme, at, recorder)
 
 
@@ -216,20 +213,20 @@ def note_smooth(work: Workspace, scheme: AlphaScheme, at: EndForces, recorder: R
 @kernel
 def note_resting(work: Workspace, scheme: AlphaScheme, at: EndForces, recorder: Recorder) -> None:
     """Hold the contacts that carry with their forces, and add these to ``at``."""
-    n_joint, n, resting = work.n_joint, work.n_contacts, scheme.resting
+    n_joint, n, resting = work.rows.n_joint, work.rows.n_contacts, scheme.resting
     for k in range(n):
-        normal = work.p[n_joint + k]
+        normal = work.impulses.p[n_joint + k]
         if normal <= 0.0:
             continue
         tangential = 0.0
         add_row(work, n_joint + k, normal, at.normal)
         if scheme.sets.tangent_of[k] >= 0:
             r = n_joint + n + scheme.sets.tangent_of[k]
-            tangential = work.p[r]
+            tangential = work.impulses.p[r]
             add_row(work, r, tangential, at.friction)
-        at.contact[work.table.law[k], 0] += normal
-        at.contact[work.table.law[k], 1] += tangential
-        hold(work.table, k, normal, scheme.sets.mode[k], resting)
+        at.contact[work.rows.table.law[k], 0] += normal
+        at.contact[work.rows.table.law[k], 1] += tangential
+        hold(work.rows.table, k, normal, scheme.sets.mode[k], resting)
         resting.load[resting.count - 1, 1] = tangential
 
 
@@ -239,13 +236,13 @@ def settled(model: Model, h: float, work: Workspace, scheme: AlphaScheme) -> boo
     mixing = scheme.mixing
     largest = 0.0
     for i in range(len(scheme.w)):
-        largest = max(largest, abs(work.free_u[i]))
-    total = work.n_joint + work.n_contacts + work.n_tangents
-    apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
+        largest = max(largest, abs(work.free.u[i]))
+    total = work.rows.n_joint + work.rows.n_contacts + work.rows.n_tangents
+    apply_impulses(work.rows.solved, work.rows.body, 0, total, work.impulses.p, work.rows.dof, work.free.u)
     change = 0.0
     for i in range(len(scheme.w)):
-        largest = max(largest, abs(work.free_u[i]))
-        change = max(change, abs(work.free_u[i] - scheme.w_new[i]))
+        largest = max(largest, abs(work.free.u[i]))
+        change = max(change, abs(work.free.u[i] - scheme.w_new[i]))
     turn = scheme.turn
     rate = 1.0 if turn == 0 else change / scheme.change
     scheme.change = change
@@ -261,7 +258,7 @@ def settled(model: Model, h: float, work: Workspace, scheme: AlphaScheme) -> boo
         if turn + 1 >= MOST_PASSES and change > DOUBTFUL * largest:
             scheme.unsettled += 1
         done = stalled or turn + 1 >= MOST_PASSES
-    if not done and work.n_contacts == 0 and turn >= 2 and (mixed or rate > SLOW):
+    if not done and work.rows.n_contacts == 0 and turn >= 2 and (mixed or rate > SLOW):
         mix(model, work, scheme)
     else:
         go_on_from(work, scheme)

@@ -78,10 +78,10 @@ def mean_power(start: FloatArray, end: FloatArray, u: FloatArray, v: FloatArray)
 def audit(t: float, work: Workspace, scheme: AlphaScheme, recorder: Recorder) -> None:
     """Add the step's work by kind and its impulses to the recorder: mean forces, or impulses, times mean velocities.
 
-    ``work.free_u`` holds u+; ``work.p`` the whole impulses, of which h lambda belong to the smooth motion.
+    ``work.free.u`` holds u+; ``work.impulses.p`` the whole impulses, of which h lambda belong to the smooth motion.
     """
-    n_joint = work.n_joint
-    n = work.n_contacts
+    n_joint = work.rows.n_joint
+    n = work.rows.n_contacts
     h, u = scheme.step, scheme.u
     start, end = scheme.start, scheme.end
     recorder.counts.lost_friction -= 0.25 * h * mean_power(start.friction, end.friction, u, scheme.v_new)
@@ -91,19 +91,19 @@ def audit(t: float, work: Workspace, scheme: AlphaScheme, recorder: Recorder) ->
     recorder.counts.lost_damping += scheme.numerical
     accrue_impulse(scheme, recorder)
     gained = 0.0
-    for r in range(n_joint + n + work.n_tangents):
-        p = work.p[r]
+    for r in range(n_joint + n + work.rows.n_tangents):
+        p = work.impulses.p[r]
         part = 1
         k = -1
         if r >= n_joint + n:
             part = 0
-            k = work.tangent[r - n_joint - n]
+            k = work.rows.tangent[r - n_joint - n]
         elif r >= n_joint:
             k = r - n_joint
         if k >= 0 and scheme.matched[k] >= 0:
             p -= h * resting_load(work, scheme, k, r)
-        before = row_velocity(work.rows, work.row_body, r, work.dof, scheme.v_new)
-        done = 0.5 * p * (before + row_velocity(work.rows, work.row_body, r, work.dof, work.free_u))
+        before = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, scheme.v_new)
+        done = 0.5 * p * (before + row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, work.free.u))
         if k >= 0:
             gained += done
             if part == 0:
@@ -111,7 +111,7 @@ def audit(t: float, work: Workspace, scheme: AlphaScheme, recorder: Recorder) ->
             else:
                 recorder.counts.lost_impacts -= done
             add_impulse(work, r - n_joint, p, recorder)
-        elif work.rate[r] != 0.0:
+        elif work.rows.rate[r] != 0.0:
             recorder.counts.supplied += done
     note_gain(recorder, t, gained)
 
@@ -119,11 +119,11 @@ def audit(t: float, work: Workspace, scheme: AlphaScheme, recorder: Recorder) ->
 @kernel
 def broken(work: Workspace, scheme: AlphaScheme) -> bool:
     """Whether the acceleration jumps at the end of the step: a contact closed, opened, or changed its slip."""
-    n_joint = work.n_joint
+    n_joint = work.rows.n_joint
     kept = 0
-    for k in range(work.n_contacts):
+    for k in range(work.rows.n_contacts):
         i = scheme.matched[k]
-        carries = work.p[n_joint + k] > 0.0
+        carries = work.impulses.p[n_joint + k] > 0.0
         if carries and i < 0:
             return True
         if carries:
@@ -135,18 +135,18 @@ def broken(work: Workspace, scheme: AlphaScheme) -> bool:
 @in_space("lcpflex.steppers.spatial.alpha")
 @kernel
 def slips_anew(work: Workspace, scheme: AlphaScheme) -> bool:
-    """Whether a contact that slid has come to rest, or slides the other way, at the velocity ``work.free_u``."""
-    n_joint, n = work.n_joint, work.n_contacts
+    """Whether a contact that slid has come to rest, or slides the other way, at the velocity ``work.free.u``."""
+    n_joint, n = work.rows.n_joint, work.rows.n_contacts
     found = False
-    for j in range(work.n_tangents):
-        i = scheme.matched[work.tangent[j]]
+    for j in range(work.rows.n_tangents):
+        i = scheme.matched[work.rows.tangent[j]]
         if i >= 0 and scheme.resting.mode[i] != STICKING:
             r = n_joint + n + j
-            slip = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
+            slip = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, work.free.u)
             if slip_mode(slip, scheme.velocity_threshold) != scheme.resting.mode[i]:
                 found = True
-                smooth = row_velocity(work.rows, work.row_body, r, work.dof, scheme.v_new)
-                start = row_velocity(work.rows, work.row_body, r, work.dof, scheme.u)
+                smooth = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, scheme.v_new)
+                start = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, scheme.u)
                 note_overrun(scheme, abs(smooth - slip), abs(smooth - start))
     return found
 
@@ -154,7 +154,7 @@ def slips_anew(work: Workspace, scheme: AlphaScheme) -> bool:
 @in_space("lcpflex.steppers.spatial.alpha")
 @kernel
 def speed_left(model: Model, work: Workspace, scheme: AlphaScheme) -> float:
-    """Speed of contacts that the velocity problem was to stop, at the velocity ``work.free_u`` [m/s].
+    """Speed of contacts that the velocity problem was to stop, at the velocity ``work.free.u`` [m/s].
 
     In the plane none: problems are solved to rounding there, which ``velocity_threshold`` is above.
     """
@@ -165,8 +165,8 @@ def speed_left(model: Model, work: Workspace, scheme: AlphaScheme) -> float:
 def struck(work: Workspace, scheme: AlphaScheme) -> bool:
     """Whether a contact carries that did not rest."""
     found = False
-    for k in range(work.n_contacts):
-        found = found or (work.p[work.n_joint + k] > 0.0 and scheme.matched[k] < 0)
+    for k in range(work.rows.n_contacts):
+        found = found or (work.impulses.p[work.rows.n_joint + k] > 0.0 and scheme.matched[k] < 0)
     return found
 
 
@@ -176,11 +176,11 @@ def note_penetration(work: Workspace, scheme: AlphaScheme, recorder: Recorder) -
 
     Such a pair opens again at the end of a step in which it closed: where it met, and how hard, the step has missed.
     """
-    table, deep, counts, worst = work.table, scheme.deep, recorder.counts, 0.0
-    for k in range(work.n_contacts):
-        if work.p[work.n_joint + k] > 0.0:
+    table, deep, counts, worst = work.rows.table, scheme.deep, recorder.counts, 0.0
+    for k in range(work.rows.n_contacts):
+        if work.impulses.p[work.rows.n_joint + k] > 0.0:
             deep[table.law[k]] = 0.0
-    for k in range(work.n_contacts):
+    for k in range(work.rows.n_contacts):
         worst = max(worst, -table.gap[k])
         if deep[table.law[k]] > scheme.sunk:
             worst = max(worst, deep[table.law[k]])
@@ -193,20 +193,20 @@ def apply_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme,
     q, u = scheme.q, scheme.u
     answer_joints(work)
     recall_joints(work)
-    n_joint = work.n_joint
-    add_impulses(work, work.free_u)
+    n_joint = work.rows.n_joint
+    add_impulses(work, work.free.u)
     if scheme.order.rounds > 0:
         add_strikes(work, scheme.order)
     finite = True
     for i in range(len(q)):
         finite = finite and math.isfinite(scheme.q_new[i])
     for i in range(len(u)):
-        finite = finite and math.isfinite(work.free_u[i])
+        finite = finite and math.isfinite(work.free.u[i])
     if not finite:
         return False
     audit(t, work, scheme, recorder)
     for r in range(n_joint):
-        recorder.counts.worst_drift = max(recorder.counts.worst_drift, abs(work.residual[r]))
+        recorder.counts.worst_drift = max(recorder.counts.worst_drift, abs(work.scratch.residual[r]))
     note_penetration(work, scheme, recorder)
     scheme.left = speed_left(model, work, scheme)
     jumps = broken(work, scheme)
@@ -215,14 +215,14 @@ def apply_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme,
     for i in range(len(q)):
         q[i] = scheme.q_new[i]
     for i in range(len(u)):
-        u[i] = work.free_u[i]
+        u[i] = work.free.u[i]
         scheme.a[i] = scheme.a_new[i]
         scheme.w[i] = scheme.w_new[i]
     copy_parts(scheme.end, scheme.start)
     scheme.phase = RESTART if jumps else SMOOTH
     scheme.turn = 0
     end_order(scheme.order)
-    work.unsolved = 0  # of the next step
+    work.impulses.unsolved = 0  # of the next step
     return True
 
 
@@ -287,16 +287,16 @@ def alpha_step(
     """The problems of a step, one after the other."""
     set_out_freely(model, scheme.q, scheme.u, scheme.step, recorder)
     while True:
-        if not unfinished(work.islands):
+        if not unfinished(work.posed.islands):
             clock.number = predict(model, t, work, scheme)
-            if clock.number > len(work.table.key):
+            if clock.number > len(work.rows.table.key):
                 return RunStatus.GROW
         last = scheme.phase == VELOCITY and scheme.order.goes_on == 0
         status = solve_problems(work, scheme, t, last, recorder)
-        if status == RunStatus.SOLVER_FAILED and give_up_smooth(scheme, work.islands):
+        if status == RunStatus.SOLVER_FAILED and give_up_smooth(scheme, work.posed.islands):
             continue
         if status != RunStatus.DONE:
-            clock.number = work.number
+            clock.number = work.impulses.number
             return status
         status = correct(model, t, work, scheme, recorder)
         if status != RunStatus.PART:

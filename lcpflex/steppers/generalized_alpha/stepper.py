@@ -156,6 +156,6 @@ class GeneralizedAlpha:
         support = Support(grown=partial(larger, system), warnings=_remarks)
         stepping = TimeStepping(system, scheme, self.solver, support, self.on_unsolved, self.budget)
         if is_spatial(system.model):  # its steps end anywhere, also on a seam: it strikes what closes at their ends
-            table: Any = stepping.work.table
+            table: Any = stepping.work.rows.table
             table.seams = 1
         return started(stepping, self.adaptive, duration, interval, (0.5, 0.5))

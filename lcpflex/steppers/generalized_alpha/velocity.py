@@ -49,7 +49,7 @@ def resting_load(work: Workspace, scheme: AlphaScheme, k: int, r: int) -> float:
     i = scheme.matched[k]
     if i < 0:
         return 0.0
-    return float(scheme.resting.load[i, 0 if r < work.n_joint + work.n_contacts else 1])
+    return float(scheme.resting.load[i, 0 if r < work.rows.n_joint + work.rows.n_contacts else 1])
 
 
 @kernel
@@ -58,59 +58,61 @@ def find_closing(model: Model, n: int, work: Workspace, scheme: AlphaScheme) -> 
     order = scheme.order
     for k in range(n):
         order.closes[k] = 1 if scheme.matched[k] < 0 else 0
-    order.goes_on = 1 if needs_order(model.contacts.restitution, work.table.law, n, order.closes) else 0
+    order.goes_on = 1 if needs_order(model.contacts.restitution, work.rows.table.law, n, order.closes) else 0
     if order.goes_on == 1:
         begin_order(model, scheme.q, scheme.q_new, scheme.u, scheme.v_new, work, order)
 
 
 @kernel
 def lay_free(n: int, n_tangent: int, work: Workspace, scheme: AlphaScheme) -> None:
-    """``work.free_u``: velocity without any contact impulse; after strikes, with those."""
-    n_joint, h, order = work.n_joint, scheme.step, scheme.order
+    """``work.free.u``: velocity without any contact impulse; after strikes, with those."""
+    n_joint, h, order = work.rows.n_joint, scheme.step, scheme.order
     total = n_joint + n + n_tangent
     first = order.rounds == 0
     for i in range(len(scheme.u)):
-        work.free_u[i] = scheme.v_new[i] if first else order.after[i]
+        work.free.u[i] = scheme.v_new[i] if first else order.after[i]
     for r in range(n_joint + n, total):
-        work.p[r] = 0.0
+        work.impulses.p[r] = 0.0
     for k in range(n):
         i = scheme.matched[k]
-        work.p[n_joint + k] = -h * scheme.resting.load[i, 0] if i >= 0 and first else 0.0
-        work.tangent_of[k] = -1
+        work.impulses.p[n_joint + k] = -h * scheme.resting.load[i, 0] if i >= 0 and first else 0.0
+        work.posed.tangent_of[k] = -1
     for j in range(n_tangent - 1, -1, -1):  # in space two of each contact, and the first is told
-        work.tangent_of[work.tangent[j]] = j
+        work.posed.tangent_of[work.rows.tangent[j]] = j
     for j in range(n_tangent):
-        k = work.tangent[j]
+        k = work.rows.tangent[j]
         if scheme.matched[k] >= 0 and first:
-            work.p[n_joint + n + j] = -h * resting_load(work, scheme, k, n_joint + n + j)
+            work.impulses.p[n_joint + n + j] = -h * resting_load(work, scheme, k, n_joint + n + j)
     if first:
-        apply_impulses(work.solved, work.row_body, n_joint, total, work.p, work.dof, work.free_u)
-    free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.terms)
+        apply_impulses(work.rows.solved, work.rows.body, n_joint, total, work.impulses.p, work.rows.dof, work.free.u)
+    free_velocities(
+        work.rows.J, work.rows.body, n_joint, total, work.rows.dof, work.free.u, work.free.v, work.free.terms
+    )
     for r in range(n_joint):
-        work.free[r] += work.rate[r]
+        work.free.v[r] += work.rows.rate[r]
 
 
 @kernel
 def reflect(model: Model, n: int, n_tangent: int, work: Workspace, scheme: AlphaScheme) -> None:
     """Restitution of the n contacts, or of those struck now, in the right-hand side."""
-    n_joint, order = work.n_joint, scheme.order
+    n_joint, order = work.rows.n_joint, scheme.order
     u = order.before if order.rounds + order.goes_on > 0 else scheme.u
     for k in range(n):
-        e_n = model.contacts.restitution[work.table.law[k]]
+        e_n = model.contacts.restitution[work.rows.table.law[k]]
         if e_n > 0.0 and scheme.matched[k] < 0:
-            before = min(row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u), 0.0)
+            before = min(row_velocity(work.rows.J, work.rows.body, n_joint + k, work.rows.dof, u), 0.0)
             scheme.approach = max(scheme.approach, -before)
-            gained = abs(work.free[n_joint + k] - before)
+            gained = abs(work.free.v[n_joint + k] - before)
             if -before > scheme.rebound + scheme.settle * gained:
-                work.free[n_joint + k] += e_n * before
+                work.free.v[n_joint + k] += e_n * before
             else:
                 scheme.stopped = max(scheme.stopped, -before)
     for j in range(n_tangent):
-        k = work.tangent[j]
-        e_t = model.contacts.tangential_restitution[work.table.law[k]]
+        k = work.rows.tangent[j]
+        e_t = model.contacts.tangential_restitution[work.rows.table.law[k]]
         if e_t > 0.0 and scheme.matched[k] < 0:
             r = n_joint + n + j
-            work.free[r] += e_t * row_velocity(work.rows, work.row_body, r, work.dof, u)
+            work.free.v[r] += e_t * row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u)
 
 
 @kernel
@@ -123,7 +125,7 @@ def pose_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme) 
     n_tangent = assemble_rows(model, t, 0.0, 0.0, n, work, scheme)
     if order.rounds == 0:
         scheme.numerical = numerical_damping(model, work, scheme)
-    match(work.table, n, scheme.resting, scheme.matched)
+    match(work.rows.table, n, scheme.resting, scheme.matched)
     if order.rounds == 0:
         find_closing(model, n, work, scheme)
     lay_free(n, n_tangent, work, scheme)

@@ -20,12 +20,12 @@ def load_static_modes(model: Model, scheme: BoundaryScheme, t: float, work: Work
     """
     if scheme.loaded == 0:
         return
-    for i in range(len(work.driving)):
-        work.driving[i] = 0.0
+    for i in range(len(work.free.driving)):
+        work.free.driving[i] = 0.0
     for k in range(len(model.loads.force_kind)):
-        effort(model, work.middle, k, t, work.span, work.external, work.driving)
-    for i in range(len(work.driving)):
-        scheme.load[i] = scheme.flexibility[i] * work.driving[i]
+        effort(model, work.free.middle, k, t, work.free.span, work.free.external, work.free.driving)
+    for i in range(len(work.free.driving)):
+        scheme.load[i] = scheme.flexibility[i] * work.free.driving[i]
 
 
 @kernel
@@ -36,5 +36,5 @@ def book_loads(h: float, scheme: BoundaryScheme, work: Workspace, recorder: Reco
     for i in range(len(scheme.load)):
         if scheme.flexibility[i] > 0.0 and h > 0.0:
             force = 0.5 * (scheme.load_before[i] + scheme.load[i]) / scheme.flexibility[i]
-            recorder.counts.supplied += force * (work.middle[i] - scheme.q[i])
+            recorder.counts.supplied += force * (work.free.middle[i] - scheme.q[i])
         scheme.load_before[i] = scheme.load[i]

@@ -16,7 +16,15 @@ from lcpflex.dynamics.contact_compliance import ALL, HARD, choose, compliance_en
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.joint_reactions import lay_reactions, note_ends
 from lcpflex.dynamics.joint_response import factorise_joints, solve_joints
-from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
+from lcpflex.dynamics.mechanics import (
+    factorise,
+    fill_contact_rows,
+    fill_joint_rows,
+    forces,
+    solve_rows,
+    solve_vector,
+    supply,
+)
 from lcpflex.dynamics.position import (
     friction_before,
     given_energy,
@@ -30,7 +38,6 @@ from lcpflex.dynamics.stable_step import admissible
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
 from lcpflex.kinematics.configuration import advance as move, difference
-from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.contact.compiled import slip_of, solve_contacts
@@ -63,24 +70,24 @@ MOST_PARTS = 1000.0  # of a step; beyond, the contacts are all but rigid
 
 @kernel
 def predict(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Workspace, recorder: Recorder) -> int:
-    """q+ in ``work.middle`` and u_h in ``work.free_u``, at time t = end of the step; returns the contacts near."""
+    """q+ in ``work.free.middle`` and u_h in ``work.free.u``, at time t = end of the step; returns the contacts near."""
     q, u = scheme.q, scheme.u
     largest = 0.0
     for i in range(len(q)):
-        work.free_u[i] = u[i] + 0.5 * h * scheme.acceleration[i]
-        work.ahead[i] = work.free_u[i] + scheme.rate[i]
+        work.free.u[i] = u[i] + 0.5 * h * scheme.acceleration[i]
+        work.free.ahead[i] = work.free.u[i] + scheme.rate[i]
         largest = max(largest, abs(q[i]))
-    move(model, q, work.ahead, h, work.middle)
-    if h > 0.0 and len(work.residual) > 0:
+    move(model, q, work.free.ahead, h, work.free.middle)
+    if h > 0.0 and len(work.scratch.residual) > 0:
         for i in range(len(q)):
-            work.ahead[i] = work.middle[i]
-        project_joints(model, t, work.middle, work.free_u, work, recorder, 1e-12 * (1.0 + largest))
-        difference(model, work.ahead, work.middle, work.ahead)
+            work.free.ahead[i] = work.free.middle[i]
+        project_joints(model, t, work.free.middle, work.free.u, work, recorder, 1e-12 * (1.0 + largest))
+        difference(model, work.free.ahead, work.free.middle, work.free.ahead)
         for i in range(len(u)):
-            work.free_u[i] += work.ahead[i] / h
+            work.free.u[i] += work.free.ahead[i] / h
     load_static_modes(model, scheme, t, work)
-    deflection = static_sway(model, scheme.flexibility, q) + static_sway(model, scheme.flexibility, work.middle)
-    return detect(model, work.middle, scheme.gap_tolerance + deflection, work.table)
+    deflection = static_sway(model, scheme.flexibility, q) + static_sway(model, scheme.flexibility, work.free.middle)
+    return detect(model, work.free.middle, scheme.gap_tolerance + deflection, work.rows.table)
 
 
 @kernel
@@ -89,51 +96,49 @@ def hold_joints(model: Model, t: float, h: float, scheme: BoundaryScheme, work: 
 
     Without a step (h = 0) the acceleration itself fulfils them.
     """
-    n_joint = len(work.residual)
+    n_joint = len(work.scratch.residual)
     if n_joint == 0:
         return 0.0
     a = scheme.acceleration
-    joint_rows(
-        model, t, work.middle, scheme.guess, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias
-    )
-    solve_rows(model, work, 0, n_joint)
-    factorise_joints(work)
+    fill_joint_rows(model, t, work.free.middle, scheme.guess, work.free.external, work.rows)
+    solve_rows(model, work.rows, 0, n_joint)
+    factorise_joints(work.rows)
     for j in range(n_joint):
-        work.p[j] = -row_velocity(work.rows, work.row_body, j, work.dof, a)
+        work.impulses.p[j] = -row_velocity(work.rows.J, work.rows.body, j, work.rows.dof, a)
         if h > 0.0:
-            velocity = row_velocity(work.rows, work.row_body, j, work.dof, work.free_u)
-            work.p[j] -= 2.0 / h * (velocity + work.rate[j])
+            velocity = row_velocity(work.rows.J, work.rows.body, j, work.rows.dof, work.free.u)
+            work.impulses.p[j] -= 2.0 / h * (velocity + work.rows.rate[j])
         else:
-            work.p[j] -= work.bias[j]
-    solve_joints(work, work.p)
-    apply_impulses(work.solved, work.row_body, 0, n_joint, work.p, work.dof, a)
+            work.impulses.p[j] -= work.rows.bias[j]
+    solve_joints(work.rows, work.impulses.p)
+    apply_impulses(work.rows.solved, work.rows.body, 0, n_joint, work.impulses.p, work.rows.dof, a)
     power = 0.0
     for j in range(n_joint):
-        power -= work.p[j] * work.rate[j]
+        power -= work.impulses.p[j] * work.rows.rate[j]
     return power
 
 
 @kernel
 def accelerate(model: Model, t: float, h: float, scheme: BoundaryScheme, work: Workspace) -> float:
-    """a+ at ``work.middle`` under all forces but those of joints; modal damping is implicit.
+    """a+ at ``work.free.middle`` under all forces but those of joints; modal damping is implicit.
 
     Velocities for the forces: u_h + h/2 a, to second order; the diagonal of the damping acts on u+ itself.
     """
     a = scheme.acceleration
     guess = scheme.guess
     for i in range(len(a)):
-        guess[i] = work.free_u[i] + 0.5 * h * a[i]
-    supply(model, t, work.middle, guess, work)
-    forces(model, t, work.middle, guess, work)
-    factorise(model, work.middle, 0.5 * h, 0.0, work)
+        guess[i] = work.free.u[i] + 0.5 * h * a[i]
+    supply(model, t, work.free.middle, guess, work)
+    forces(model, t, work.free.middle, guess, work)
+    factorise(model, work.free.middle, 0.5 * h, 0.0, work)
     for i in range(len(a)):
-        a[i] = work.total[i]
+        a[i] = work.free.total[i]
     for b in range(len(model.bodies.mass)):
-        for k in range(work.dof[b] + N_RIGID, work.dof[b + 1]):
-            a[k] += model.bodies.damping[k - N_RIGID * (b + 1)] * (guess[k] - work.free_u[k])
-    n_joint = len(work.residual)
-    total = n_joint + work.n_contacts + work.n_tangents
-    apply_impulses(work.rows, work.row_body, n_joint, total, work.p, work.dof, a)
+        for k in range(work.rows.dof[b] + N_RIGID, work.rows.dof[b + 1]):
+            a[k] += model.bodies.damping[k - N_RIGID * (b + 1)] * (guess[k] - work.free.u[k])
+    n_joint = len(work.scratch.residual)
+    total = n_joint + work.rows.n_contacts + work.rows.n_tangents
+    apply_impulses(work.rows.J, work.rows.body, n_joint, total, work.impulses.p, work.rows.dof, a)
     for i in range(len(a)):
         if scheme.flexibility[i] > 0.0:
             a[i] = 0.0
@@ -150,8 +155,8 @@ def audit(h: float, drives: float, scheme: BoundaryScheme, work: Workspace, reco
     u = scheme.u
     lost = 0.0
     for i in range(len(u)):
-        lost -= work.dissipative[i] * u[i]
-        drives += work.driving[i] * u[i]
+        lost -= work.free.dissipative[i] * u[i]
+        drives += work.free.driving[i] * u[i]
     recorder.counts.lost_damping += 0.5 * h * (scheme.power[0] + lost)
     recorder.counts.supplied += 0.5 * h * (scheme.power[1] + drives)
     scheme.power[0] = lost
@@ -160,22 +165,24 @@ def audit(h: float, drives: float, scheme: BoundaryScheme, work: Workspace, reco
         for i in range(2):
             recorder.total_impulse[law, i] += 0.5 * h * scheme.force[law, i]
             scheme.force[law, i] = 0.0
-    n = work.n_contacts
+    n = work.rows.n_contacts
     for k in range(n):
-        scheme.force[work.table.law[k], 0] += work.normal[k]
+        scheme.force[work.rows.table.law[k], 0] += work.impulses.normal[k]
     length = scheme.unit[0] * scheme.unit[1]
-    for j in range(work.n_tangents):
-        k = work.tangent[j]
-        scheme.force[work.table.law[k], 1] += work.tangential[j]
+    for j in range(work.rows.n_tangents):
+        k = work.rows.tangent[j]
+        scheme.force[work.rows.table.law[k], 1] += work.impulses.tangential[j]
         before = friction_before(work, k)
-        work.held_key[1, j] = work.table.key[k]
-        work.held_gap[1, j] = work.tangential[j]
-        if h > 0.0 and (before != 0.0 or work.tangential[j] != 0.0):
-            recorder.counts.lost_friction -= 0.5 * (before + work.tangential[j]) * slip_of(work.solver, n + j) * length
-    work.n_held = work.n_tangents
-    for j in range(work.n_tangents):
-        work.held_key[0, j] = work.held_key[1, j]
-        work.held_gap[0, j] = work.held_gap[1, j]
+        work.impulses.held_key[1, j] = work.rows.table.key[k]
+        work.impulses.held_gap[1, j] = work.impulses.tangential[j]
+        if h > 0.0 and (before != 0.0 or work.impulses.tangential[j] != 0.0):
+            recorder.counts.lost_friction -= (
+                0.5 * (before + work.impulses.tangential[j]) * slip_of(work.impulses.solver, n + j) * length
+            )
+    work.impulses.n_held = work.rows.n_tangents
+    for j in range(work.rows.n_tangents):
+        work.impulses.held_key[0, j] = work.impulses.held_key[1, j]
+        work.impulses.held_gap[0, j] = work.impulses.held_gap[1, j]
     for law in range(len(scheme.force)):
         for i in range(2):
             recorder.total_impulse[law, i] += 0.5 * h * scheme.force[law, i]
@@ -186,8 +193,8 @@ def audit(h: float, drives: float, scheme: BoundaryScheme, work: Workspace, reco
 def closed(work: Workspace) -> int:
     """How many contacts the solution of the present problem closes."""
     count = 0
-    for k in range(work.n_contacts):
-        if work.normal[k] > 0.0:
+    for k in range(work.rows.n_contacts):
+        if work.impulses.normal[k] > 0.0:
             count += 1
     return count
 
@@ -200,26 +207,26 @@ def correct(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Work
     """
     q, u = scheme.q, scheme.u
     # rows of the deformed surfaces: with others, forces do work that is not stored
-    fill_contact_rows(model, work.middle, work.n_contacts, len(work.residual), work)
+    fill_contact_rows(model, work.free.middle, work.rows.n_contacts, len(work.scratch.residual), work.rows)
     soft = scheme.compliance.soft
     everywhere = scheme.compliance.some[0] == ALL  # all that there is to tell is indentation, then
-    for k in range(work.n_contacts):
-        if everywhere or soft[work.table.law[k]] == 0:  # an elastic law asks for its indentation
-            recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -work.table.gap[k])
+    for k in range(work.rows.n_contacts):
+        if everywhere or soft[work.rows.table.law[k]] == 0:  # an elastic law asks for its indentation
+            recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -work.rows.table.gap[k])
     scheme.n_closed = closed(work)
     drives = accelerate(model, t, h, scheme, work)
     finite = True
     for i in range(len(q)):
-        finite = finite and math.isfinite(work.middle[i] + work.free_u[i] + 0.5 * h * scheme.acceleration[i])
+        finite = finite and math.isfinite(work.free.middle[i] + work.free.u[i] + 0.5 * h * scheme.acceleration[i])
     if not finite:
         return False
     book_loads(h, scheme, work, recorder)
-    difference(model, q, work.middle, scheme.rate)
+    difference(model, q, work.free.middle, scheme.rate)
     for i in range(len(q)):
         moved = scheme.flexibility[i] > 0.0 and h > 0.0 and scheme.n_closed > 0
         scheme.rate[i] = scheme.rate[i] / h if moved else 0.0
-        q[i] = work.middle[i]
-        u[i] = work.free_u[i] + 0.5 * h * scheme.acceleration[i]
+        q[i] = work.free.middle[i]
+        u[i] = work.free.u[i] + 0.5 * h * scheme.acceleration[i]
     audit(h, drives, scheme, work, recorder)
     lay_reactions(model, work, recorder.reactions.ahead)
     note_ends(model, h, recorder.reactions)
@@ -234,19 +241,19 @@ def record_forces(model: Model, scheme: BoundaryScheme, t: float, work: Workspac
     needed = store_contacts(model, q, recorder)
     if needed > len(recorder.table.key):
         return needed
-    n = work.n_contacts
+    n, table, normal = work.rows.n_contacts, work.rows.table, work.impulses.normal
     tangent = 0
     for k in range(n):
         force_t = 0.0
         slip = 1.0
-        if tangent < work.n_tangents and work.tangent[tangent] == k:
-            force_t = work.tangential[tangent]
-            slip = slip_of(work.solver, n + tangent)
+        if tangent < work.rows.n_tangents and work.rows.tangent[tangent] == k:
+            force_t = work.impulses.tangential[tangent]
+            slip = slip_of(work.impulses.solver, n + tangent)
             tangent += 1
-        if work.normal[k] > 0.0:
-            state = friction_state(work.normal[k], abs(force_t), work.mu[k], abs(slip), STICKING)
-            place = contact_point(model, q, work.table, k)
-            note_contact(recorder, work.table.law[k], place, work.table.normal[k], work.normal[k], force_t, state)
+        if normal[k] > 0.0:
+            state = friction_state(normal[k], abs(force_t), work.rows.mu[k], abs(slip), STICKING)
+            place = contact_point(model, q, table, k)
+            note_contact(recorder, table.law[k], place, table.normal[k], normal[k], force_t, state)
     own = given_energy(work, scheme.flexibility, scheme.held_flexibility, scheme.compliance.soft)
     stored = compliance_energy(scheme.compliance, work) + own
     store_state(model, t, q, u, work, stored, recorder)
@@ -270,15 +277,15 @@ def deform(model: Model, scheme: BoundaryScheme, work: Workspace) -> float:
     Relative to the largest static displacement of them. Those with a law of their own have a gap, see ``misfit``.
     """
     split_forces(work, scheme.unit)
-    static_response(work, scheme.flexibility, scheme.load, work.middle)
+    static_response(work, scheme.flexibility, scheme.load, work.free.middle)
     left = 0.0
     displaced = 0.0
-    for k in range(work.n_contacts):
-        refresh(model, work.middle, work.table, k)
-        if work.normal[k] > 0.0 and (scheme.compliance.some[0] == 0 or work.closed[k] == HARD):
-            give = held_give(work, scheme.flexibility, scheme.held_flexibility, work.n_joint + k)
-            left = max(left, abs(work.table.gap[k] + give * work.normal[k]))
-            displaced = max(displaced, scheme.unit[1] * work.problem.delassus[k, k] * work.normal[k])
+    for k in range(work.rows.n_contacts):
+        refresh(model, work.free.middle, work.rows.table, k)
+        if work.impulses.normal[k] > 0.0 and (scheme.compliance.some[0] == 0 or work.scratch.closed[k] == HARD):
+            give = held_give(work, scheme.flexibility, scheme.held_flexibility, work.rows.n_joint + k)
+            left = max(left, abs(work.rows.table.gap[k] + give * work.impulses.normal[k]))
+            displaced = max(displaced, scheme.unit[1] * work.posed.problem.delassus[k, k] * work.impulses.normal[k])
     return left / displaced if displaced > 0.0 else 0.0
 
 
@@ -288,7 +295,7 @@ def short_enough(model: Model, scheme: BoundaryScheme, h: float, work: Workspace
     square = (2.0 * scheme.safety / h) ** 2 - scheme.spring
     if square <= 0.0 or h * scheme.damper > scheme.safety:
         return False
-    return admissible(model, work.middle, square, scheme.flexibility, scheme.unit, scheme.held, work)
+    return admissible(model, work.free.middle, square, scheme.flexibility, scheme.unit, scheme.held, work)
 
 
 @kernel
@@ -330,12 +337,12 @@ def solve_contact_forces(
         )  # fmt: skip
         if clock.number >= 0.0:
             return RunStatus.STIFF
-        recall_basis(work.problem, work.solver, work.remembered)
-        clock.number = solve_contacts(work.problem, work.solver)
-        if clock.number != 0 or not work.solver.residual <= scheme.tolerance:
+        recall_basis(work.posed.problem, work.impulses.solver, work.impulses.remembered)
+        clock.number = solve_contacts(work.posed.problem, work.impulses.solver)
+        if clock.number != 0 or not work.impulses.solver.residual <= scheme.tolerance:
             return RunStatus.SOLVER_FAILED
-        remember_basis(work.problem, work.solver, work.remembered)
-        turn_over(work.remembered)
+        remember_basis(work.posed.problem, work.impulses.solver, work.impulses.remembered)
+        turn_over(work.impulses.remembered)
         passes += 1
         curved = deform(model, scheme, work)
         unsettled = misfit(scheme.compliance, scheme.unit, work) > 1.0
@@ -359,8 +366,9 @@ def boundary_step(
     while True:
         h = part_length(scheme, clock)
         clock.number = predict(model, scheme, t + h, h, work, recorder)
-        work.most = max(work.most, int(clock.number))  # they make one problem: static modes couple what joints do not
-        if clock.number > len(work.table.key) or clock.number > len(work.problem.friction):
+        # they make one problem: static modes couple what joints do not
+        work.impulses.most = max(work.impulses.most, int(clock.number))
+        if clock.number > len(work.rows.table.key) or clock.number > len(work.posed.problem.friction):
             return RunStatus.GROW
         status = solve_contact_forces(model, scheme, h, int(clock.number), work, clock)
         if status == RunStatus.DONE:

@@ -94,7 +94,7 @@ class Remarks:
         """Why the run cannot go on, for reasons of this scheme."""
         if status == RunStatus.STIFF:
             return (
-                f"contact {self.system.contact_name(work.table.law[number])} closes in a direction in which "
+                f"contact {self.system.contact_name(work.rows.table.law[number])} closes in a direction in which "
                 "neither body has any compliance: use more modes, or MoreauJean or EventDriven"
             )
         if status == RunStatus.TOO_LONG:
@@ -372,4 +372,4 @@ def _consistent(system: System, work: Workspace) -> tuple[FloatArray, FloatArray
         return q, u
     link(supply, system.hooks)(system.model, 0.0, q, u, work)
     scale = 1.0 + float(np.abs(q).max())
-    return start.project(system.model, q, u, work.external, np.full(system.n_joint, 1e-12 * scale))
+    return start.project(system.model, q, u, work.free.external, np.full(system.n_joint, 1e-12 * scale))

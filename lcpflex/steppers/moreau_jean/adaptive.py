@@ -20,7 +20,7 @@ __all__: list[str] = []
 @kernel
 def choose_threshold(scheme: MoreauJeanScheme, alone: bool, stopped: float, rebound: float, work: Workspace) -> None:
     """What a trial has stopped counts for nothing."""
-    work.stopped = stopped
+    work.impulses.stopped = stopped
     scheme.velocity_threshold = rebound
 
 
@@ -52,5 +52,5 @@ def take_impact(
     scheme: MoreauJeanScheme, limits: Limits, clock: StepClock, approach: float, pull: float, work: Workspace
 ) -> None:
     """A pair that has closed without an impulse is struck in the next step, which is a short one."""
-    clock.stopped = work.stopped
+    clock.stopped = work.impulses.stopped
     after_impact(limits, clock, approach, pull * limits.shortest / clock.tried, clock.part == ALONE)

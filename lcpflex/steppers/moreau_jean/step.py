@@ -21,8 +21,10 @@ from lcpflex.dynamics.islands import unfinished
 from lcpflex.dynamics.joint_reactions import compare_reactions, lay_reactions, note_step
 from lcpflex.dynamics.mechanics import (
     contact_biases,
+    count_rows,
     factorise,
     fill_contact_rows,
+    fill_joint_rows,
     forces,
     solve_rows,
     solve_vector,
@@ -33,7 +35,6 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.configuration import advance
-from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.clock import StepClock, StepCount
@@ -75,38 +76,34 @@ def predict(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace) -
     """First half of a step: free motion, closed contacts, and the problem they pose. Returns the contacts found."""
     q, u, h = scheme.q, scheme.u, scheme.step
     lean = scheme.theta * h
-    advance(model, q, u, lean, work.middle)
-    advance(model, q, u, scheme.activation * h, work.ahead)
-    within = held_within(scheme) if work.n_held > 0 else scheme.gap_tolerance
-    n = find_closed(model, work.ahead, within, work.table)
-    if n > len(work.table.key):
+    advance(model, q, u, lean, work.free.middle)
+    advance(model, q, u, scheme.activation * h, work.free.ahead)
+    within = held_within(scheme) if work.impulses.n_held > 0 else scheme.gap_tolerance
+    n = find_closed(model, work.free.ahead, within, work.rows.table)
+    if n > len(work.rows.table.key):
         return n
     if within > scheme.gap_tolerance:
         n = keep_closed(scheme.gap_tolerance, n, work)
     if scheme.activation != scheme.theta:
         for k in range(n):
-            refresh(model, work.middle, work.table, k)
-    supply(model, t + lean, work.middle, u, work)
-    forces(model, t + lean, work.middle, u, work)
-    factorise(model, work.middle, lean, lean * lean, work)
-    add_balanced_forces(model, t + lean, work.middle, u, h, work)
+            refresh(model, work.free.middle, work.rows.table, k)
+    supply(model, t + lean, work.free.middle, u, work)
+    forces(model, t + lean, work.free.middle, u, work)
+    factorise(model, work.free.middle, lean, lean * lean, work)
+    add_balanced_forces(model, t + lean, work.free.middle, u, h, work)
     spare_spin(model, lean, u, work)
     for i in range(len(u)):
-        work.free_u[i] = h * work.total[i]
-    solve_vector(model, work, work.free_u)
+        work.free.u[i] = h * work.free.total[i]
+    solve_vector(model, work, work.free.u)
     for i in range(len(u)):
-        work.free_u[i] += u[i]
-    n_joint = len(work.residual)
+        work.free.u[i] += u[i]
+    n_joint = len(work.scratch.residual)
     if n_joint > 0:
-        joint_rows(
-            model, t + lean, work.middle, u, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias
-        )
-    n_tangent = fill_contact_rows(model, work.middle, n, n_joint, work)
-    contact_biases(model, work.middle, u, n, n_tangent, n_joint, work)
-    solve_rows(model, work, 0, n_joint + n + n_tangent)
-    work.n_joint = n_joint
-    work.n_contacts = n
-    work.n_tangents = n_tangent
+        fill_joint_rows(model, t + lean, work.free.middle, u, work.free.external, work.rows)
+    n_tangent = fill_contact_rows(model, work.free.middle, n, n_joint, work.rows)
+    contact_biases(model, work.free.middle, u, n, n_tangent, n_joint, work.rows)
+    solve_rows(model, work.rows, 0, n_joint + n + n_tangent)
+    count_rows(work.rows, n_joint, n, n_tangent)
     pose(model, work, u, (1.0 - scheme.theta) * h, scheme.velocity_threshold)
     if not turn_on(model, scheme.gyroscopic, h, u, work):
         scheme.unsettled += 1
@@ -138,48 +135,50 @@ def spare_spin(model: Model, lean: float, u: FloatArray, work: Workspace) -> Non
         if bodies.geometric_start[b + 1] > bodies.geometric_start[b]:
             d = bodies.dof[b]
             rates = u[d + N_RIGID : bodies.dof[b + 1]]
-            work.total[d + 2] -= 2.0 * lean * u[d + 2] * stiffened(bodies, b, rates, rates)
+            work.free.total[d + 2] -= 2.0 * lean * u[d + 2] * stiffened(bodies, b, rates, rates)
 
 
 @kernel
 def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, recorder: Recorder) -> None:
     """Add the step's work by kind, with the mean velocity (u + u+)/2, and its impulses to the recorder.
 
-    ``work.free_u`` holds u+. Work of an impulse p on a row: p (w . u + w . u+)/2.
+    ``work.free.u`` holds u+. Work of an impulse p on a row: p (w . u + w . u+)/2.
     """
     u = scheme.u
-    n_joint = work.n_joint
+    n_joint = work.rows.n_joint
     half = 0.5 * scheme.step
     for i in range(len(u)):
-        both = u[i] + work.free_u[i]
-        recorder.counts.lost_damping -= half * work.dissipative[i] * both
-        recorder.counts.supplied += half * work.driving[i] * both
+        both = u[i] + work.free.u[i]
+        recorder.counts.lost_damping -= half * work.free.dissipative[i] * both
+        recorder.counts.supplied += half * work.free.driving[i] * both
     contacts = work.compliant
     note_touches(contacts, scheme.step)
     for i in range(len(contacts.friction)):
-        lost = half * contacts.friction[i] * (u[i] + work.free_u[i])
+        lost = half * contacts.friction[i] * (u[i] + work.free.u[i])
         recorder.counts.lost_friction -= lost
         recorder.counts.lost_damping += lost
-    told = contacts.n_contacts > 0 and all_indent(recorder)
-    for k in range(contacts.n_contacts):
+    told = contacts.rows.n_contacts > 0 and all_indent(recorder)
+    for k in range(contacts.rows.n_contacts):
         both = contacts.rate[k]
-        both += row_velocity(contacts.rows, contacts.row_body, contacts.n_joint + k, contacts.dof, work.free_u)
+        both += row_velocity(
+            contacts.rows.J, contacts.rows.body, contacts.rows.n_joint + k, contacts.rows.dof, work.free.u
+        )
         lost = half * (contacts.p[k, 0] - contacts.elastic[k]) * both
         recorder.counts.lost_impacts -= lost
         recorder.counts.lost_damping += lost
         if told:
-            recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -contacts.table.gap[k])
+            recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -contacts.rows.table.gap[k])
         add_compliant_impulse(contacts, k, scheme.step, recorder)
     for r in range(n_joint):
-        p = work.p[r]
-        if p != 0.0 and work.rate[r] != 0.0:
-            before = row_velocity(work.rows, work.row_body, r, work.dof, u)
-            after = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
+        p = work.impulses.p[r]
+        if p != 0.0 and work.rows.rate[r] != 0.0:
+            before = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u)
+            after = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, work.free.u)
             recorder.counts.supplied += 0.5 * p * (before + after)
     gained = audit_contacts(u, work, recorder)
     note_gain(recorder, t, gained)
     if len(recorder.reactions.impulse) > 0:
-        hit = work.n_contacts > 0 and struck(model, scheme, work, recorder.reactions)
+        hit = work.rows.n_contacts > 0 and struck(model, scheme, work, recorder.reactions)
         note_step(model, work, scheme.step, hit, recorder.reactions)
 
 
@@ -187,14 +186,14 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, rec
 @kernel
 def audit_contacts(u: FloatArray, work: Workspace, recorder: Recorder) -> float:
     """Add the work and the impulses of all contact rows to the recorder; what their impulses gained [J]."""
-    n_joint, n = work.n_joint, work.n_contacts
+    n_joint, n = work.rows.n_joint, work.rows.n_contacts
     gained = 0.0
-    for r in range(n_joint, n_joint + n + work.n_tangents):
-        p = work.p[r]
+    for r in range(n_joint, n_joint + n + work.rows.n_tangents):
+        p = work.impulses.p[r]
         if p == 0.0:
             continue
-        before = row_velocity(work.rows, work.row_body, r, work.dof, u)
-        after = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
+        before = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u)
+        after = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, work.free.u)
         done = 0.5 * p * (before + after)
         gained += done
         if r < n_joint + n:
@@ -212,21 +211,21 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, r
     theta = scheme.theta  # numbers of structs are read again behind each store: not in loops over coordinates
     answer_joints(work)
     recall_joints(work)
-    add_impulses(work, work.free_u)
+    add_impulses(work, work.free.u)
     if scheme.order.rounds > 0:
         add_strikes(work, scheme.order)
     for i in range(len(u)):
-        if not math.isfinite(work.free_u[i]):
+        if not math.isfinite(work.free.u[i]):
             return False
     audit(model, scheme, t, work, recorder)
     end_order(scheme.order)
-    compare_friction(work.free_u, h, work)
+    compare_friction(work.free.u, h, work)
     largest = 0.0
     for i in range(len(u)):
-        u[i] = theta * work.free_u[i] + (1.0 - theta) * u[i]
+        u[i] = theta * work.free.u[i] + (1.0 - theta) * u[i]
     advance(model, q, u, h, q)
     for i in range(len(u)):
-        u[i] = work.free_u[i]
+        u[i] = work.free.u[i]
     for i in range(len(q)):
         largest = max(largest, abs(q[i]))
         if not math.isfinite(q[i]):
@@ -244,7 +243,7 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, r
 def record_impulses(model: Model, scheme: Any, t: float, work: Workspace, recorder: Recorder) -> int:
     """Store the present instant; contact forces are the impulses of the last step over its length."""
     q, u, step = scheme.q, scheme.u, scheme.step
-    loaded = work.n_contacts > 0 and len(recorder.reactions.impulse) > 0
+    loaded = work.rows.n_contacts > 0 and len(recorder.reactions.impulse) > 0
     if loaded:
         lay_reactions(model, work, recorder.reactions.change)
     done = shorten_forces(work)
@@ -267,22 +266,24 @@ def record_impulses(model: Model, scheme: Any, t: float, work: Workspace, record
 @kernel
 def note_impulses(model: Model, q: FloatArray, u: FloatArray, step: float, work: Workspace, recorder: Recorder) -> None:
     """Add the touching points of the step to the instant about to be stored."""
-    n_joint = work.n_joint
-    n = work.n_contacts
+    n_joint = work.rows.n_joint
+    n = work.rows.n_contacts
     tangent = 0
     for k in range(n):
         p_t = 0.0
         slip = 1.0
-        if tangent < work.n_tangents and work.tangent[tangent] == k:
+        if tangent < work.rows.n_tangents and work.rows.tangent[tangent] == k:
             r = n_joint + n + tangent
-            p_t = work.p[r]
-            slip = row_velocity(work.rows, work.row_body, r, work.dof, u)
+            p_t = work.impulses.p[r]
+            slip = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u)
             tangent += 1
-        p_n = work.p[n_joint + k]
+        p_n = work.impulses.p[n_joint + k]
         if p_n > 0.0:
-            state = friction_state(p_n, abs(p_t), work.mu[k], abs(slip), STICKING_SPEED)
-            place = contact_point(model, q, work.table, k)
-            note_contact(recorder, work.table.law[k], place, work.table.normal[k], p_n / step, p_t / step, state)
+            state = friction_state(p_n, abs(p_t), work.rows.mu[k], abs(slip), STICKING_SPEED)
+            place = contact_point(model, q, work.rows.table, k)
+            note_contact(
+                recorder, work.rows.table.law[k], place, work.rows.table.normal[k], p_n / step, p_t / step, state
+            )
 
 
 @take_step.of(MoreauJeanScheme)
@@ -292,20 +293,20 @@ def moreau_jean_step(
 ) -> int:
     """Predict, detect and pose, solve, correct; from the problem on that was not solved, if one was not."""
     while True:
-        if not unfinished(work.islands):
+        if not unfinished(work.posed.islands):
             set_out(scheme.q, recorder)
             clock.number = predict(model, scheme, t, work)
-            if clock.number > len(work.table.key):
+            if clock.number > len(work.rows.table.key):
                 return RunStatus.GROW
         warm = last = scheme.order.goes_on == 0
         status = solve_islands(work, t, scheme.tolerance, warm, last, recorder)
         if status != RunStatus.DONE:
-            clock.number = work.number
+            clock.number = work.impulses.number
             return status
         if last:
             break
         apply_strike(work, scheme.order)
-    work.unsolved = 0  # of the next step
+    work.impulses.unsolved = 0  # of the next step
     if not correct(model, scheme, t, work, recorder):
         return RunStatus.NOT_FINITE
     return RunStatus.DONE

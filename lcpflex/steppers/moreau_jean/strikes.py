@@ -40,9 +40,12 @@ def keep_closed(tolerance: float, n: int, work: Workspace) -> int:
     """Of the first n entries those within ``tolerance`` [m], and those that went on over the last step."""
     m = 0
     for k in range(n):
-        if work.table.gap[k] <= tolerance or entry_of(work.held_key[0], work.n_held, work.table.key[k], 0) >= 0:
+        if (
+            work.rows.table.gap[k] <= tolerance
+            or entry_of(work.impulses.held_key[0], work.impulses.n_held, work.rows.table.key[k], 0) >= 0
+        ):
             if m < k:
-                copy_entry(work.table, k, work.table, m)
+                copy_entry(work.rows.table, k, work.rows.table, m)
             m += 1
     return m
 
@@ -50,21 +53,21 @@ def keep_closed(tolerance: float, n: int, work: Workspace) -> int:
 @kernel
 def find_closing(model: Model, scheme: MoreauJeanScheme, work: Workspace) -> float:
     """Which contacts close by an impact in this step, whether their order is to be looked at; the fastest approach."""
-    order, table, restitution = scheme.order, work.table, model.contacts.restitution
+    order, table, restitution = scheme.order, work.rows.table, model.contacts.restitution
     order.goes_on = 0
     rebounds = False
-    for k in range(work.n_contacts):
+    for k in range(work.rows.n_contacts):
         rebounds = rebounds or restitution[table.law[k]] > 0.0
     if not rebounds:
         return 0.0
     fastest = 0.0
-    for k in range(work.n_contacts):
-        r = work.n_joint + k
-        before = row_velocity(work.rows, work.row_body, r, work.dof, scheme.u)
-        free = work.free[r] - (restitution[table.law[k]] * before if abs(before) > scheme.velocity_threshold else 0.0)
+    for k in range(work.rows.n_contacts):
+        r = work.rows.n_joint + k
+        before = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, scheme.u)
+        free = work.free.v[r] - (restitution[table.law[k]] * before if abs(before) > scheme.velocity_threshold else 0.0)
         order.closes[k] = 1 if -before > IMPACT * abs(free - before) else 0
         fastest = max(fastest, -before)
-    order.goes_on = 1 if needs_order(restitution, table.law, work.n_contacts, order.closes) else 0
+    order.goes_on = 1 if needs_order(restitution, table.law, work.rows.n_contacts, order.closes) else 0
     return fastest
 
 
@@ -76,10 +79,10 @@ def follow_order(model: Model, scheme: MoreauJeanScheme, work: Workspace) -> Non
         order.slow = STILL * find_closing(model, scheme, work)
         if order.goes_on == 0:
             return
-        begin_order(model, scheme.q, work.middle, scheme.u, work.free_u, work, order)
+        begin_order(model, scheme.q, work.free.middle, scheme.u, work.free.u, work, order)
     else:
         for i in range(len(order.after)):
-            work.free_u[i] = order.after[i]
+            work.free.u[i] = order.after[i]
         pose(model, work, order.before, (1.0 - scheme.theta) * scheme.step, scheme.velocity_threshold)
     slow = max(order.slow, scheme.velocity_threshold)
     choose_strikes(work, order, model.contacts.restitution, scheme.gap_tolerance, slow)
@@ -89,7 +92,7 @@ def follow_order(model: Model, scheme: MoreauJeanScheme, work: Workspace) -> Non
 def struck(model: Model, scheme: MoreauJeanScheme, work: Workspace, reactions: Reactions) -> bool:
     """Whether something was struck; ``reactions.reached``: the bodies that it reached."""
     some = False
-    for k in range(work.n_contacts):
+    for k in range(work.rows.n_contacts):
         if closes_with_impact(model, scheme, work, k):
             if not some:
                 begin_reached(work, reactions)
@@ -106,15 +109,15 @@ def closes_with_impact(model: Model, scheme: MoreauJeanScheme, work: Workspace, 
 
     Not where it stayed closed over the step before: what it approaches by is then the turn of its normal.
     """
-    r = work.n_joint + k
-    if not work.p[r] > 0.0:
+    r = work.rows.n_joint + k
+    if not work.impulses.p[r] > 0.0:
         return False
     if scheme.order.rounds > 0 and scheme.order.closes[k] == 1:
         return True
-    before = row_velocity(work.rows, work.row_body, r, work.dof, scheme.u)
-    free = work.effect[k]
+    before = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, scheme.u)
+    free = work.posed.effect[k]
     if abs(before) > scheme.velocity_threshold:
-        free -= model.contacts.restitution[work.table.law[k]] * before
-    if not -before > IMPACT * abs(free - before) + SLOWER * scheme.tolerance * work.terms[k]:
+        free -= model.contacts.restitution[work.rows.table.law[k]] * before
+    if not -before > IMPACT * abs(free - before) + SLOWER * scheme.tolerance * work.free.terms[k]:
         return False
-    return bool(entry_of(work.held_key[0], work.n_held, work.table.key[k], 0) < 0)
+    return bool(entry_of(work.impulses.held_key[0], work.impulses.n_held, work.rows.table.key[k], 0) < 0)

@@ -89,7 +89,7 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
     t = memory.time
     rest = time_left(model.signals, t, settings.duration)
     nq = memory.nq
-    n = nq + len(work.free_u)
+    n = nq + len(work.free.u)
     h = memory.step
     rejected = False
     shortened = False
@@ -179,7 +179,7 @@ def close_step(
     model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory, recorder: Recorder
 ) -> int:
     """Go to the end of the step, with joints put right there; DONE or NOT_FINITE."""
-    nq, base = memory.nq, memory.nq + len(work.free_u)
+    nq, base = memory.nq, memory.nq + len(work.free.u)
     copy_state(memory.end, memory.y)
     normalise(model, memory.y[:nq])
     memory.time += memory.step_taken
@@ -187,7 +187,7 @@ def close_step(
         memory.time = settings.duration
     memory.steps += 1
     note_depths(work.compliant)
-    if len(work.residual) > 0:
+    if len(work.scratch.residual) > 0:
         q = memory.y[:nq]
         u = memory.y[nq:base]
         drift = project(model, memory.time, q, u, 0, True, work, memory.sets)
@@ -206,7 +206,7 @@ def renew_history(model: Model, work: Workspace, memory: SmoothMemory) -> int:
         return RunStatus.DONE
     nq = memory.nq
     q = memory.y[:nq]
-    u = memory.y[nq : nq + len(work.free_u)]
+    u = memory.y[nq : nq + len(work.free.u)]
     states = memory.y[memory.states :].reshape(-1, states_of_friction(model))
     if update_history(model, memory.time, q, u, roundings(u), False, states, work):
         return RunStatus.DONE
@@ -264,16 +264,16 @@ def relax(model: Model, h: float, work: Workspace, memory: SmoothMemory) -> floa
     """
     contacts = work.compliant
     history = contacts.history
-    first = contacts.n_joint + contacts.n_contacts
+    first = contacts.rows.n_joint + contacts.rows.n_contacts
     highest = 0.0
-    for j in range(contacts.n_tangents):
-        k = contacts.tangent[j]
-        place = pair_place(model, history, contacts.table, k)
+    for j in range(contacts.rows.n_tangents):
+        k = contacts.rows.tangent[j]
+        place = pair_place(model, history, contacts.rows.table, k)
         normal = contacts.p[k, 0]
         if place < 0 or not normal > 0.0:
             continue
         slip = contacts.slip[k]
-        law = contacts.table.law[k]
+        law = contacts.rows.table.law[k]
         kinds = history.kinds[law]
         p = history.parameters[law]
         at = memory.states + 2 * place
@@ -284,11 +284,11 @@ def relax(model: Model, h: float, work: Workspace, memory: SmoothMemory) -> floa
             move = SMALL * (abs(memory.end[at + i]) + h * abs(rate))
             if move > 0.0:
                 moved = (z + move, w) if i == 0 else (z, w + move)
-                rates = bristle_rates(kinds, p, slip, normal, contacts.mu[k], moved[0], moved[1])
+                rates = bristle_rates(kinds, p, slip, normal, contacts.rows.mu[k], moved[0], moved[1])
                 slope_of_rate = ((rates[0] if i == 0 else rates[1]) - rate) / move
                 memory.end[at + i] += h * rate / (1.0 - h * min(slope_of_rate, 0.0))
                 if i == 0:
-                    change = friction_force(kinds, p, slip, normal, contacts.mu[k], moved[0], w) - contacts.p[k, 1]
+                    change = friction_force(kinds, p, slip, normal, contacts.rows.mu[k], moved[0], w) - contacts.p[k, 1]
                     highest = max(highest, abs(change) / move * mobility(contacts, first + j))
     return math.sqrt(highest)
 
@@ -305,7 +305,7 @@ def kick_again(model: Model, h: float, work: Workspace, memory: SmoothMemory) ->
 @kernel
 def step_fixed(model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory) -> int:
     """One step of Verlet's method from y to end: drift, kick, drift. DONE or GROW."""
-    nq, base = memory.nq, memory.nq + len(work.free_u)
+    nq, base = memory.nq, memory.nq + len(work.free.u)
     rest = settings.duration - memory.time
     h = rest if rest < (1.0 + 1e-9) * settings.max_step else settings.max_step
     copy_state(memory.y, memory.end)

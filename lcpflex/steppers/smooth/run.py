@@ -69,7 +69,7 @@ class SmoothSteps:
         if fixed_step:
             strides_of(self.records.recorder.rates, fixed_step)
             self.records.touches = Touches(self.history.touches, fixed_step)
-            self.work.span[:] = 0.5 * fixed_step  # loads by their mean over a step
+            self.work.free.span[:] = 0.5 * fixed_step  # loads by their mean over a step
         self._unused: list[str] = []
         bouncing = [
             name for name, e in zip(system.names, system.model.contacts.restitution.tolist(), strict=True) if e > 0.0
@@ -101,7 +101,7 @@ class SmoothSteps:
     def touching(self) -> IntArray:
         """Declared contacts that touched at the last evaluation."""
         contacts = self.work.compliant
-        return contacts.table.law[: contacts.n_contacts]
+        return contacts.rows.table.law[: contacts.rows.n_contacts]
 
     @property
     def motion(self) -> tuple[Any, Any]:
@@ -124,9 +124,9 @@ class SmoothSteps:
 
     def make_room(self, contacts: int) -> None:
         """Memory for more contacts than are near."""
-        span, before = self.work.span, self.work.compliant
+        span, before = self.work.free.span, self.work.compliant
         self.work = self.system.workspace(1, self.system.compliant(self._laws, 2 * before.needed, before))
-        self.work.span[:] = span
+        self.work.free.span[:] = span
 
     def trouble(self, status: int) -> str:
         """Why the loop cannot go on."""

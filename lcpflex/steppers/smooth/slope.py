@@ -33,11 +33,10 @@ from lcpflex.dynamics.contact_forces import (
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.joint_reactions import note_instant
 from lcpflex.dynamics.joint_response import factorise_joints, solve_joints
-from lcpflex.dynamics.mechanics import factorise, forces, solve_rows, solve_vector, supply
+from lcpflex.dynamics.mechanics import factorise, fill_joint_rows, forces, solve_rows, solve_vector, supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.configuration import rate
-from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.recorder import Recorder, note_compliant, store_contacts, store_state
 from lcpflex.steppers.short_steps import travel_time
@@ -57,11 +56,13 @@ __all__ = ["add_powers", "horizon", "natural_frequency", "record", "slope"]
 @kernel
 def add_contacts(contacts: CompliantContacts, base: int, accelerations: FloatArray, out: FloatArray) -> None:
     """Contact forces to the generalised ones, in ``accelerations``; their impulses to the slope ``out``."""
-    n = contacts.n_contacts
+    n = contacts.rows.n_contacts
     for k in range(n):
-        add_force(contacts, contacts.rows, contacts.n_joint + k, contacts.p[k, 0], accelerations)
-    for j in range(contacts.n_tangents):
-        add_force(contacts, contacts.rows, contacts.n_joint + n + j, tangential_force(contacts, j), accelerations)
+        add_force(contacts, contacts.rows.J, contacts.rows.n_joint + k, contacts.p[k, 0], accelerations)
+    for j in range(contacts.rows.n_tangents):
+        add_force(
+            contacts, contacts.rows.J, contacts.rows.n_joint + n + j, tangential_force(contacts, j), accelerations
+        )
     add_impulses(contacts, base + IMPULSES, out)
 
 
@@ -72,20 +73,20 @@ def add_powers(work: Workspace, u: FloatArray, base: int, out: FloatArray) -> No
     After ``slope``, which found the forces.
     """
     contacts = work.compliant
-    first = contacts.n_joint
+    first = contacts.rows.n_joint
     for i in range(len(u)):
-        out[base + DAMPING] -= work.dissipative[i] * u[i]
-        out[base + WORK] += work.driving[i] * u[i]
-    for k in range(contacts.n_contacts):
-        opening = row_velocity(contacts.rows, contacts.row_body, first + k, contacts.dof, u)
+        out[base + DAMPING] -= work.free.dissipative[i] * u[i]
+        out[base + WORK] += work.free.driving[i] * u[i]
+    for k in range(contacts.rows.n_contacts):
+        opening = row_velocity(contacts.rows.J, contacts.rows.body, first + k, contacts.rows.dof, u)
         out[base + CONTACT_DAMPING] -= (contacts.p[k, 0] - contacts.elastic[k]) * opening
-    first += contacts.n_contacts
-    for j in range(contacts.n_tangents):
-        slip = row_velocity(contacts.rows, contacts.row_body, first + j, contacts.dof, u)
+    first += contacts.rows.n_contacts
+    for j in range(contacts.rows.n_tangents):
+        slip = row_velocity(contacts.rows.J, contacts.rows.body, first + j, contacts.rows.dof, u)
         out[base + FRICTION] -= tangential_force(contacts, j) * slip
-    for r in range(len(work.residual)):
-        if work.rate[r] != 0.0:
-            out[base + WORK] += work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
+    for r in range(len(work.scratch.residual)):
+        if work.rows.rate[r] != 0.0:
+            out[base + WORK] += work.impulses.p[r] * row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u)
 
 
 @kernel
@@ -94,7 +95,7 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smooth
 
     Contacts with their forces are left in ``work.compliant``.
     """
-    nq, ndof = memory.nq, len(work.free_u)
+    nq, ndof = memory.nq, len(work.free.u)
     base = nq + ndof
     q = y[:nq]
     u = y[nq:base]
@@ -105,27 +106,29 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smooth
     contact_forces(model, q, u, states, rates, work.compliant)
     if work.compliant.needed > 0:
         return False
-    n_joint = len(work.residual)
+    n_joint = len(work.scratch.residual)
     supply(model, t, q, u, work)
     factorise(model, q, 0.0, 0.0, work)
     if n_joint > 0:
-        joint_rows(model, t, q, u, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias)
+        fill_joint_rows(model, t, q, u, work.free.external, work.rows)
     forces(model, t, q, u, work)
     for i in range(ndof):
-        work.free_u[i] = work.total[i]
-    add_contacts(work.compliant, base, work.free_u, out)
-    solve_vector(model, work, work.free_u)
+        work.free.u[i] = work.free.total[i]
+    add_contacts(work.compliant, base, work.free.u, out)
+    solve_vector(model, work, work.free.u)
     if n_joint > 0:
-        solve_rows(model, work, 0, n_joint)
+        solve_rows(model, work.rows, 0, n_joint)
         for r in range(n_joint):
-            work.p[r] = -(row_velocity(work.rows, work.row_body, r, work.dof, work.free_u) + work.bias[r])
-        factorise_joints(work)
-        solve_joints(work, work.p)
-        apply_impulses(work.solved, work.row_body, 0, n_joint, work.p, work.dof, work.free_u)
+            work.impulses.p[r] = -(
+                row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, work.free.u) + work.rows.bias[r]
+            )
+        factorise_joints(work.rows)
+        solve_joints(work.rows, work.impulses.p)
+        apply_impulses(work.rows.solved, work.rows.body, 0, n_joint, work.impulses.p, work.rows.dof, work.free.u)
     add_powers(work, u, base, out)
     rate(model, q, u, out)
     for i in range(ndof):
-        out[nq + i] = work.free_u[i]
+        out[nq + i] = work.free.u[i]
     return True
 
 
@@ -133,17 +136,17 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smooth
 def natural_frequency(model: Model, work: Workspace, memory: SmoothMemory) -> float:
     """Highest sqrt(k G_nn) of the contacts that ``slope`` found [rad/s], each by itself."""
     contacts = work.compliant
-    n_joint = contacts.n_joint
-    n = contacts.n_contacts
+    n_joint = contacts.rows.n_joint
+    n = contacts.rows.n_contacts
     bristles = memory.states < len(memory.y)
-    solve_rows(model, contacts, n_joint, n_joint + n + (contacts.n_tangents if bristles else 0))
+    solve_rows(model, contacts.rows, n_joint, n_joint + n + (contacts.rows.n_tangents if bristles else 0))
     highest = 0.0
     for k in range(n):
-        depth = -contacts.table.gap[k]
+        depth = -contacts.rows.table.gap[k]
         if depth > 0.0:
-            place = pair_place(model, contacts.history, contacts.table, k)
-            stiffness = pair_stiffness(contacts.history, contacts.table.law[k], place, depth)
-            highest = max(highest, weight_of(contacts.table, k) * stiffness * mobility(contacts, n_joint + k))
+            place = pair_place(model, contacts.history, contacts.rows.table, k)
+            stiffness = pair_stiffness(contacts.history, contacts.rows.table.law[k], place, depth)
+            highest = max(highest, weight_of(contacts.rows.table, k) * stiffness * mobility(contacts, n_joint + k))
     return math.sqrt(highest)
 
 
@@ -158,18 +161,18 @@ def horizon(
     table of contacts must grow.
     """
     nq = memory.nq
-    q, u = y[:nq], y[nq : nq + len(work.free_u)]
+    q, u = y[:nq], y[nq : nq + len(work.free.u)]
     contacts = work.compliant
-    table = contacts.table
+    table = contacts.rows.table
     longest = travel_time(model, y, slope)
     find_contacts(model, q, margin, contacts)
     fill_rows(model, q, contacts)
-    for k in range(contacts.n_contacts):
+    for k in range(contacts.rows.n_contacts):
         gap = table.gap[k]
-        r = contacts.n_joint + k
-        approach = -row_velocity(contacts.rows, contacts.row_body, r, contacts.dof, u)
+        r = contacts.rows.n_joint + k
+        approach = -row_velocity(contacts.rows.J, contacts.rows.body, r, contacts.rows.dof, u)
         if gap > 0.0 and approach > 0.0:
-            solve_rows(model, contacts, r, r + 1)
+            solve_rows(model, contacts.rows, r, r + 1)
             depth = compression(contacts, k, approach * approach, mobility(contacts, r))
             longest = min(longest, (gap + depth) / approach)
         elif gap < 0.0 and approach < 0.0:  # where damping is clipped, nothing else tells of the end of the spring
@@ -182,7 +185,7 @@ def horizon(
 @kernel
 def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: SmoothMemory, recorder: Recorder) -> int:
     """Store the state y of time t with its contact forces; returns DONE, or why there is no room."""
-    base = memory.nq + len(work.free_u)
+    base = memory.nq + len(work.free.u)
     q = y[: memory.nq]
     u = y[memory.nq : base]
     if recorder.n_instants >= len(recorder.times):
@@ -191,7 +194,7 @@ def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smoot
     if not slope(model, t, y, work, memory, memory.slope):
         return RunStatus.GROW
     contacts = work.compliant
-    n = contacts.n_contacts
+    n = contacts.rows.n_contacts
     if recorder.n_points + n > len(recorder.points) and recorder.n_points > 0:
         return RunStatus.TAPE_FULL
     if needed > len(recorder.table.key) or n > len(recorder.points):
@@ -206,9 +209,9 @@ def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smoot
         for c in range(sums):
             recorder.total_impulse[law, c] = y[base + IMPULSES + sums * law + c]
     for k in range(n if recorder.rates.now[0] == 1 else 0):
-        recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -contacts.table.gap[k])
+        recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -contacts.rows.table.gap[k])
     note_compliant(model, q, contacts, True, recorder)
-    if len(work.residual) > 0:
+    if len(work.scratch.residual) > 0:
         note_instant(model, work, recorder.rates.now, recorder.reactions)
     store_state(model, t, q, u, work, elastic_energy(model, contacts), recorder)
     return RunStatus.DONE

@@ -57,22 +57,22 @@ def gather_resting(model: Any, work: SpatialWork, scheme: Any) -> int:
     q, u = scheme.q, scheme.u
     slow = max(scheme.velocity_threshold, 2.0 * scheme.left)  # open contacts have as much from the same answer
     scheme.n_found = 0
-    found = detect(model, q, scheme.gap_tolerance, work.table)
-    if found == 0 or found > len(work.table.key):
+    found = detect(model, q, scheme.gap_tolerance, work.rows.table)
+    if found == 0 or found > len(work.rows.table.key):
         return found
-    n_joint = len(work.residual)
-    n_tangent = fill_contact_rows(model, q, found, n_joint, work)
+    n_joint = len(work.scratch.residual)
+    n_tangent = fill_contact_rows(model, q, found, n_joint, work.rows)
     kept, j = 0, 0
     for k in range(found):
-        frictional = j < n_tangent and work.tangent[j] == k
-        if abs(row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u)) <= slow:
+        frictional = j < n_tangent and work.rows.tangent[j] == k
+        if abs(row_velocity(work.rows.J, work.rows.body, n_joint + k, work.rows.dof, u)) <= slow:
             mode = FRICTIONLESS
             if frictional:
                 r = n_joint + found + j
-                first = row_velocity(work.rows, work.row_body, r, work.dof, u)
-                second = row_velocity(work.rows, work.row_body, r + 1, work.dof, u)
+                first = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u)
+                second = row_velocity(work.rows.J, work.rows.body, r + 1, work.rows.dof, u)
                 mode = STICKING if math.hypot(first, second) <= slow else SLIDING
-            copy_entry(work.table, k, work.table, kept)
+            copy_entry(work.rows.table, k, work.rows.table, kept)
             scheme.sets.mode[kept] = mode
             kept += 1
         if frictional:
@@ -89,17 +89,17 @@ def pose_modes(model: Any, alpha_c: float, work: SpatialWork, scheme: Any) -> in
     """
     sets, push = scheme.sets, scheme.momentum
     sets.level = FORCE
-    n_joint, n = work.n_joint, work.n_contacts
+    n_joint, n = work.rows.n_joint, work.rows.n_contacts
     for k in range(n):
         sets.tangent_of[k] = -1
-    for j in range(work.n_tangents - 1, -1, -1):  # two of each contact, and the first is told
-        sets.tangent_of[work.tangent[j]] = j
+    for j in range(work.rows.n_tangents - 1, -1, -1):  # two of each contact, and the first is told
+        sets.tangent_of[work.rows.tangent[j]] = j
     again = scheme.turn > 0
     if again:
         for i in range(len(push)):
             push[i] = 0.0
-        for r in range(n_joint + n, n_joint + n + work.n_tangents):
-            add_row(work, r, work.p[r], push)
+        for r in range(n_joint + n, n_joint + n + work.rows.n_tangents):
+            add_row(work, r, work.impulses.p[r], push)
         solve_vector(model, work, push)
     for k in range(n):
         if sets.mode[k] != SLIDING:
@@ -131,11 +131,11 @@ def slide_on(work: SpatialWork, scheme: Any) -> None:
     the direction of the velocity after the step would make friction that turns of order 1. Not in islands where a
     contact does not rest: an impact may turn the slip of all.
     """
-    sets, islands = scheme.sets, work.islands
+    sets, islands = scheme.sets, work.posed.islands
     sets.level = FORCE
-    for k in range(work.n_contacts):
-        sets.tangent_of[k] = work.tangent_of[k]
-        sets.mode[k] = STICKING if work.tangent_of[k] >= 0 else FRICTIONLESS
+    for k in range(work.rows.n_contacts):
+        sets.tangent_of[k] = work.posed.tangent_of[k]
+        sets.mode[k] = STICKING if work.posed.tangent_of[k] >= 0 else FRICTIONLESS
     for i in range(islands.count):
         rests = True
         for c in range(islands.start[i], islands.start[i + 1]):
@@ -167,7 +167,7 @@ def resting_friction(work: SpatialWork, scheme: Any, k: int) -> tuple[float, flo
 @kernel
 def slides(work: SpatialWork, scheme: Any, i: int) -> bool:
     """Whether a contact of island i slides."""
-    islands, found = work.islands, False
+    islands, found = work.posed.islands, False
     for c in range(islands.start[i], islands.start[i + 1]):
         found = found or scheme.sets.mode[islands.contact[c]] == SLIDING
     return found
@@ -175,19 +175,19 @@ def slides(work: SpatialWork, scheme: Any, i: int) -> bool:
 
 @kernel
 def rest_on(work: SpatialWork, scheme: Any, i: int) -> None:
-    """Forces ``work.p`` of island i as they were in the last smooth motion, in the cone: where the solver begins."""
-    islands = work.islands
+    """Forces ``p`` of island i as they were in the last smooth motion, in the cone: where the solver begins."""
+    islands = work.posed.islands
     for c in range(islands.start[i], islands.start[i + 1]):
         k = islands.contact[c]
-        m, j = scheme.matched[k], work.tangent_of[k]
+        m, j = scheme.matched[k], work.posed.tangent_of[k]
         force = float(scheme.resting.load[m, 0]) if m >= 0 else 0.0
-        work.p[work.n_joint + k] = force
+        work.impulses.p[work.rows.n_joint + k] = force
         if j >= 0:
             first, second = resting_friction(work, scheme, k) if m >= 0 else (0.0, 0.0)
-            size, most = math.hypot(first, second), work.mu[k] * force
+            size, most = math.hypot(first, second), work.rows.mu[k] * force
             share = most / size if size > most else 1.0
-            r = work.n_joint + work.n_contacts + j
-            work.p[r], work.p[r + 1] = share * first, share * second
+            r = work.rows.n_joint + work.rows.n_contacts + j
+            work.impulses.p[r], work.impulses.p[r + 1] = share * first, share * second
 
 
 @kernel
@@ -195,54 +195,54 @@ def solve_problems(work: SpatialWork, scheme: Any, t: float, last: bool, recorde
     """The problems laid that are not solved yet; but of positions and strikes with known slip where one slides."""
     if scheme.phase == POSITION or scheme.order.goes_on == 1:
         return solve_islands(work, t, scheme.tolerance, scheme.warm == 1, last, recorder)
-    islands, warm = work.islands, scheme.warm == 1
+    islands, warm = work.posed.islands, scheme.warm == 1
     if last and islands.next == 0:
-        work.remembered.n_next = 0
+        work.impulses.remembered.n_next = 0
         slide_on(work, scheme)
-    work.unsolved_large = 0
+    work.impulses.unsolved_large = 0
     smooth = scheme.phase <= SMOOTH  # or begins anew
     if smooth and scheme.turn == 0:
-        match(work.table, work.n_contacts, scheme.resting, scheme.matched)
+        match(work.rows.table, work.rows.n_contacts, scheme.resting, scheme.matched)
     while islands.next < islands.count:
         i = islands.next
         if slides(work, scheme, i):
             status = solve_on_sets(work, scheme.sets, i, scheme.tolerance, warm, recorder)
             for c in range(islands.start[i + 1] - islands.start[i]):
-                work.solver.group.slip[c] = 0.0
+                work.impulses.solver.group.slip[c] = 0.0
         else:
             if smooth and scheme.turn == 0:
                 rest_on(work, scheme, i)
-            work.solver.begun = 1 if smooth else 0  # of later passes from the one before
+            work.impulses.solver.begun = 1 if smooth else 0  # of later passes from the one before
             status = solve_island(work, i, scheme.tolerance, warm, recorder)
-            work.solver.begun = 0
+            work.impulses.solver.begun = 0
         if status != RunStatus.DONE:
             return status
         if last:
             keep_island(work, i)
         islands.next += 1
     if last:
-        turn_over(work.remembered)
+        turn_over(work.impulses.remembered)
     return RunStatus.DONE
 
 
 @kernel
 def note_resting(work: SpatialWork, scheme: Any, at: Any, recorder: Recorder) -> None:
     """Hold the contacts that carry with their forces, and add these to ``at``."""
-    n_joint, n, resting = work.n_joint, work.n_contacts, scheme.resting
+    n_joint, n, resting = work.rows.n_joint, work.rows.n_contacts, scheme.resting
     for k in range(n):
-        normal = work.p[n_joint + k]
+        normal = work.impulses.p[n_joint + k]
         if normal <= 0.0:
             continue
-        law = work.table.law[k]
+        law = work.rows.table.law[k]
         add_row(work, n_joint + k, normal, at.normal)
-        hold(work.table, k, normal, scheme.sets.mode[k], resting)
+        hold(work.rows.table, k, normal, scheme.sets.mode[k], resting)
         at.contact[law, 0] += normal
         if scheme.sets.tangent_of[k] >= 0:
             r = n_joint + n + scheme.sets.tangent_of[k]
-            add_row(work, r, work.p[r], at.friction)
-            add_row(work, r + 1, work.p[r + 1], at.friction)
-            friction = friction_vector(work.table, k, work.p[r], work.p[r + 1])
-            side = side_of(recorder.table, law, work.table.body[k, 0])
+            add_row(work, r, work.impulses.p[r], at.friction)
+            add_row(work, r + 1, work.impulses.p[r + 1], at.friction)
+            friction = friction_vector(work.rows.table, k, work.impulses.p[r], work.impulses.p[r + 1])
+            side = side_of(recorder.table, law, work.rows.table.body[k, 0])
             for i in range(3):
                 resting.load[resting.count - 1, 1 + i] = friction[i]
                 at.contact[law, 1 + i] += side * friction[i]
@@ -254,11 +254,11 @@ def resting_load(work: SpatialWork, scheme: Any, k: int, r: int) -> float:
     i = scheme.matched[k]
     if i < 0:
         return 0.0
-    first = work.n_joint + work.n_contacts
+    first = work.rows.n_joint + work.rows.n_contacts
     if r < first:
         return float(scheme.resting.load[i, 0])
     friction = resting_friction(work, scheme, k)
-    return friction[0] if work.tangent_of[k] == r - first else friction[1]
+    return friction[0] if work.posed.tangent_of[k] == r - first else friction[1]
 
 
 @kernel
@@ -274,49 +274,53 @@ def same_node(table: SpatialContactTable, k: int, other: SpatialContactTable, i:
 
 @kernel
 def speed_left(model: Any, work: SpatialWork, scheme: Any) -> float:
-    """Speed of contacts that the velocity problem was to stop, at the velocity ``work.free_u`` [m/s].
+    """Speed of contacts that the velocity problem was to stop, at the velocity ``work.free.u`` [m/s].
 
     Solvers leave a part of the free velocities, of which those of stiff modes may be far larger than all others. So
     contacts of a held flexible body would not rest at 7e-9 m/s, fall out of the smooth motion, and let go of the body.
     """
-    n, first, contacts, u = work.n_contacts, work.n_joint + work.n_contacts, model.contacts, work.free_u
+    n, first, contacts, u = work.rows.n_contacts, work.rows.n_joint + work.rows.n_contacts, model.contacts, work.free.u
     left = 0.0
     for k in range(n):
-        r, j, law, rested = work.n_joint + k, work.tangent_of[k], work.table.law[k], scheme.matched[k] >= 0
-        if not work.p[r] > 0.0:
+        r, j = work.rows.n_joint + k, work.posed.tangent_of[k]
+        law, rested = work.rows.table.law[k], scheme.matched[k] >= 0
+        if not work.impulses.p[r] > 0.0:
             continue
         if rested or contacts.restitution[law] == 0.0:
-            left = max(left, min(abs(row_velocity(work.rows, work.row_body, r, work.dof, u)), LEFT * work.terms[k]))
+            left = max(
+                left,
+                min(abs(row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u)), LEFT * work.free.terms[k]),
+            )
         if j < 0 or not (rested or contacts.tangential_restitution[law] == 0.0):
             continue
         s = first + j
-        if math.hypot(work.p[s], work.p[s + 1]) < INSIDE * work.mu[k] * work.p[r]:
+        if math.hypot(work.impulses.p[s], work.impulses.p[s + 1]) < INSIDE * work.rows.mu[k] * work.impulses.p[r]:
             slip = math.hypot(
-                row_velocity(work.rows, work.row_body, s, work.dof, u),
-                row_velocity(work.rows, work.row_body, s + 1, work.dof, u),
+                row_velocity(work.rows.J, work.rows.body, s, work.rows.dof, u),
+                row_velocity(work.rows.J, work.rows.body, s + 1, work.rows.dof, u),
             )
-            left = max(left, min(slip, LEFT * (work.terms[n + j] + work.terms[n + j + 1])))
+            left = max(left, min(slip, LEFT * (work.free.terms[n + j] + work.free.terms[n + j + 1])))
     return left
 
 
 @kernel
 def slips_anew(work: SpatialWork, scheme: Any) -> bool:
-    """Whether a contact that slid has come to rest, or has turned against its slip, at the velocity ``work.free_u``."""
+    """Whether a contact that slid has come to rest, or has turned against its slip, at the velocity ``work.free.u``."""
     found = False
-    for k in range(work.n_contacts):
-        i, j = scheme.matched[k], work.tangent_of[k]
+    for k in range(work.rows.n_contacts):
+        i, j = scheme.matched[k], work.posed.tangent_of[k]
         if i < 0 or j < 0 or scheme.resting.mode[i] == STICKING:
             continue
-        r = work.n_joint + work.n_contacts + j
-        first = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
-        second = row_velocity(work.rows, work.row_body, r + 1, work.dof, work.free_u)
+        r = work.rows.n_joint + work.rows.n_contacts + j
+        first = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, work.free.u)
+        second = row_velocity(work.rows.J, work.rows.body, r + 1, work.rows.dof, work.free.u)
         x, y = resting_friction(work, scheme, k)
         ended = math.hypot(first, second) <= max(scheme.velocity_threshold, 2.0 * scheme.left)
         if ended or first * x + second * y > 0.0:
             found = True
-            a = row_velocity(work.rows, work.row_body, r, work.dof, scheme.v_new)
-            b = row_velocity(work.rows, work.row_body, r + 1, work.dof, scheme.v_new)
-            c = row_velocity(work.rows, work.row_body, r, work.dof, scheme.u)
-            d = row_velocity(work.rows, work.row_body, r + 1, work.dof, scheme.u)
+            a = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, scheme.v_new)
+            b = row_velocity(work.rows.J, work.rows.body, r + 1, work.rows.dof, scheme.v_new)
+            c = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, scheme.u)
+            d = row_velocity(work.rows.J, work.rows.body, r + 1, work.rows.dof, scheme.u)
             note_overrun(scheme, math.hypot(a - first, b - second), math.hypot(a - c, b - d))
     return found

@@ -16,19 +16,20 @@ __all__ = ["audit_contacts"]
 def audit_contacts(u: FloatArray, work: SpatialWork, recorder: Recorder) -> float:
     """Add the work p . W^T (u + u+)/2 and the impulses p of all contacts to the recorder; what they gained [J].
 
-    u: velocity before; that behind is ``work.free_u``. A contact without a normal impulse has none at all.
+    u: velocity before; that behind is ``work.free.u``. A contact without a normal impulse has none at all.
     """
-    n_joint, n, p, sums, table = work.n_joint, work.n_contacts, work.p, recorder.total_impulse, work.table
-    both = work.solver.scene.x  # nobody needs it any more
+    n_joint, n = work.rows.n_joint, work.rows.n_contacts
+    p, sums, table = work.impulses.p, recorder.total_impulse, work.rows.table
+    both = work.impulses.solver.scene.x  # nobody needs it any more
     for i in range(len(u)):
-        both[i] = 0.5 * (u[i] + work.free_u[i])
+        both[i] = 0.5 * (u[i] + work.free.u[i])
     lost_n, lost_t = 0.0, 0.0
     for k in range(n):
-        r, j = n_joint + k, work.tangent_of[k]
+        r, j = n_joint + k, work.posed.tangent_of[k]
         if p[r] == 0.0:
             continue
         s = n_joint + n + j if j >= 0 else -1
-        v, v1, v2 = row_velocities(work.rows, work.row_body, work.dof, r, s, both)
+        v, v1, v2 = row_velocities(work.rows.J, work.rows.body, work.rows.dof, r, s, both)
         law = table.law[k]
         lost_n -= p[r] * v
         sums[law, 0] += p[r]

@@ -38,8 +38,9 @@ LAST_WORD = 128  # contacts of the largest island that is posed densely where an
 
 @kernel
 def begin_island(work: SpatialWork, i: int, warm: bool) -> None:
-    """Where the forces ``work.p`` of island i begin: from the last step, from none, or where they are."""
-    memory, islands, table, known, p = work.solver, work.islands, work.table, work.remembered, work.p
+    """Where the forces ``work.impulses.p`` of island i begin: from the last step, from none, or where they are."""
+    memory, islands = work.impulses.solver, work.posed.islands
+    table, known, p = work.rows.table, work.impulses.remembered, work.impulses.p
     first, guess = islands.start[i], 0
     memory.sweeping.polished = 0
     if memory.begun == 1:
@@ -50,14 +51,14 @@ def begin_island(work: SpatialWork, i: int, warm: bool) -> None:
     for c in range(islands.start[i + 1] - first):
         k = islands.contact[first + c]
         place = place_of(known, table.key[k], guess) if warm else -1
-        f, f1, f2, slip = known_force(known, place, table.normal, table.tangent, k, work.mu[k])
+        f, f1, f2, slip = known_force(known, place, table.normal, table.tangent, k, work.rows.mu[k])
         if place >= 0:
             guess = place + 1 if place + 1 < known.n else 0
             memory.sweeping.polished = max(memory.sweeping.polished, known.polished[known.now, place])
-        r, j = work.n_joint + k, work.tangent_of[k]
+        r, j = work.rows.n_joint + k, work.posed.tangent_of[k]
         p[r] = f
         if j >= 0:
-            s = work.n_joint + work.n_contacts + j
+            s = work.rows.n_joint + work.rows.n_contacts + j
             p[s], p[s + 1] = f1, f2
         memory.group.slip[c] = slip
 
@@ -65,15 +66,16 @@ def begin_island(work: SpatialWork, i: int, warm: bool) -> None:
 @kernel
 def keep_island(work: SpatialWork, i: int) -> None:
     """Add the contacts of the island just solved to those that the next step begins from."""
-    memory, islands, table, known, p = work.solver, work.islands, work.table, work.remembered, work.p
+    memory, islands = work.impulses.solver, work.posed.islands
+    table, known, p = work.rows.table, work.impulses.remembered, work.impulses.p
     first = islands.start[i]
     n = islands.start[i + 1] - first
     for c in range(n):
         k = islands.contact[first + c]
-        r, j = work.n_joint + k, work.tangent_of[k]
+        r, j = work.rows.n_joint + k, work.posed.tangent_of[k]
         f1, f2 = 0.0, 0.0
         if j >= 0:
-            s = work.n_joint + work.n_contacts + j
+            s = work.rows.n_joint + work.rows.n_contacts + j
             f1, f2 = p[s], p[s + 1]
         known.carried[1 - known.now, known.n_next + c] = 1 if known.before[k] > 0.0 else 0
         known.polished[1 - known.now, known.n_next + c] = memory.sweeping.polished
@@ -85,23 +87,23 @@ def keep_island(work: SpatialWork, i: int) -> None:
 
 @kernel
 def pose_begun(work: SpatialWork, i: int) -> None:
-    """``work.problem`` of island i, and in ``work.solver`` the forces ``work.p`` to begin from."""
+    """``posed.problem`` of island i, and in ``impulses.solver`` the forces ``impulses.p`` to begin from."""
     pose_island(work, i)
     give_forces(work)
 
 
 @late_kernel
 def solve_posed(work: SpatialWork, i: int, tolerance: float) -> int:
-    """Island i as one dense problem, from the forces ``work.p``: DONE, GROW or SOLVER_FAILED."""
-    memory = work.solver
+    """Island i as one dense problem, from the forces ``work.impulses.p``: DONE, GROW or SOLVER_FAILED."""
+    memory = work.impulses.solver
     if not fits(work, i):
         return RunStatus.GROW
     if memory.known == NOTHING_KNOWN:
         pose_begun(work, i)
     else:  # forces wait for the problem posed
         pose_island(work, i)
-    work.number = solve_cones(work.problem, memory)
-    if work.number != 0 or not memory.residual <= tolerance:
+    work.impulses.number = solve_cones(work.posed.problem, memory)
+    if work.impulses.number != 0 or not memory.residual <= tolerance:
         return RunStatus.SOLVER_FAILED
     take_forces(work)
     return RunStatus.DONE
@@ -109,8 +111,8 @@ def solve_posed(work: SpatialWork, i: int, tolerance: float) -> int:
 
 @kernel
 def solve_in_bodies(work: SpatialWork, i: int) -> bool:
-    """Island i in the velocities of its bodies, from the forces ``work.p``; whether they are good enough."""
-    memory = work.solver
+    """Island i in the velocities of its bodies, from the forces ``work.impulses.p``; whether they are good enough."""
+    memory = work.impulses.solver
     describe_island(work, i)
     memory.size, memory.sweeping.iterations = 3 * memory.group.n, 0
     judge_island(work)
@@ -122,22 +124,22 @@ def solve_in_bodies(work: SpatialWork, i: int) -> bool:
 @kernel
 def begin_joints(work: SpatialWork, warm: bool) -> None:
     """Forces of joint rows to begin from: those of the last step, or none."""
-    for r in range(work.n_joint):
-        work.p[r] = work.recalled[r] if warm else 0.0
+    for r in range(work.rows.n_joint):
+        work.impulses.p[r] = work.impulses.recalled[r] if warm else 0.0
 
 
 @late_kernel
 def solve_large(work: SpatialWork, i: int, warm: bool) -> int:
-    """Island i, of many contacts, by Newton's method from the forces ``work.p``: DONE, GROW or SOLVER_FAILED."""
-    large, memory = work.large_solver, work.solver
-    n = work.islands.start[i + 1] - work.islands.start[i]
-    work.largest = max(work.largest, n)
-    if len(work.white) == 0 or lacks_room(large.op.factor):  # the latter, where sunk contacts were to be lifted
+    """Island i, of many contacts, by Newton's method from the forces ``p``: DONE, GROW or SOLVER_FAILED."""
+    large, memory = work.impulses.large_solver, work.impulses.solver
+    n = work.posed.islands.start[i + 1] - work.posed.islands.start[i]
+    work.impulses.largest = max(work.impulses.largest, n)
+    if len(work.rows.white) == 0 or lacks_room(large.op.factor):  # the latter, where sunk contacts were to be lifted
         return RunStatus.GROW
     describe_bodies(work, i)
     begin_joints(work, warm)
     large.judged.tolerance = memory.judged.tolerance
-    status = solve_many(work.large, large, IN_SPACE)
+    status = solve_many(work.posed.large, large, IN_SPACE)
     if status == ROOM:
         return RunStatus.GROW
     memory.size, made = 3 * n, large.search.sweeps + large.newton.factors
@@ -159,13 +161,13 @@ def solve_large(work: SpatialWork, i: int, warm: bool) -> int:
 def go_on(work: SpatialWork, i: int, solved: bool, recorder: Recorder) -> int:
     """Note how island i was solved; an island of many contacts that was not is an error, or is gone on with."""
     if not solved:
-        judged = work.large_solver.judged
-        work.large.n_contacts = work.islands.start[i + 1] - work.islands.start[i]
-        judged.residual, judged.strict = work.solver.residual, work.solver.strict
-        if work.strict_large == 1:
-            work.unsolved_large = 1
+        judged = work.impulses.large_solver.judged
+        work.posed.large.n_contacts = work.posed.islands.start[i + 1] - work.posed.islands.start[i]
+        judged.residual, judged.strict = work.impulses.solver.residual, work.impulses.solver.strict
+        if work.impulses.strict_large == 1:
+            work.impulses.unsolved_large = 1
             return RunStatus.SOLVER_FAILED
-        work.unsolved += 1
+        work.impulses.unsolved += 1
         note_unsolved(work, recorder)
     tell_island(work, i)
     note_certificate(work, recorder)
@@ -175,8 +177,8 @@ def go_on(work: SpatialWork, i: int, solved: bool, recorder: Recorder) -> int:
 @kernel
 def note_unsolved(work: SpatialWork, recorder: Recorder) -> None:
     """Count the island that was not solved, once for its step."""
-    counts, memory = recorder.counts, work.solver
-    if work.unsolved == 1:
+    counts, memory = recorder.counts, work.impulses.solver
+    if work.impulses.unsolved == 1:
         counts.unsolved += 1.0
     counts.unsolved_islands += 1.0
     counts.worst_unsolved = max(counts.worst_unsolved, memory.residual)
@@ -192,7 +194,7 @@ def settle_shares(work: SpatialWork, i: int, tolerance: float, posed: bool, rest
     """
     if not moves(work, i, posed):
         return
-    way = way_of_motion(work, i, posed, resting) if work.shifted == 0 else GOES_ON
+    way = way_of_motion(work, i, posed, resting) if work.posed.shifted == 0 else GOES_ON
     if way != GOES_ON and hold_island(work, i, posed, way):
         again = solve_posed(work, i, tolerance) == RunStatus.DONE if posed else solve_in_bodies(work, i)
         if not again:
@@ -203,17 +205,17 @@ def settle_shares(work: SpatialWork, i: int, tolerance: float, posed: bool, rest
 
 @kernel
 def solve_island(work: SpatialWork, i: int, tolerance: float, warm: bool, recorder: Recorder) -> int:
-    """Forces of the contacts of island i to ``work.p``; DONE, GROW, or SOLVER_FAILED with the reason in the workspace.
+    """Forces ``impulses.p`` of the contacts of island i; DONE, GROW, or SOLVER_FAILED with the reason in ``number``.
 
     warm: from what contacts did in the last step.
     """
-    memory, islands = work.solver, work.islands
+    memory, islands = work.impulses.solver, work.posed.islands
     n = islands.start[i + 1] - islands.start[i]
     memory.judged.tolerance = tolerance
     resting = memory.begun == 1
     if memory.known == NOTHING_KNOWN:
         begin_island(work, i, warm)
-        if memory.method != POSED and work.lifted == 0:
+        if memory.method != POSED and work.posed.lifted == 0:
             if not has_joints(work, i) and solve_in_bodies(work, i):
                 settle_shares(work, i, tolerance, False, resting)
                 return go_on(work, i, True, recorder)
@@ -225,7 +227,7 @@ def solve_island(work: SpatialWork, i: int, tolerance: float, warm: bool, record
                     return go_on(work, i, status == RunStatus.DONE, recorder)
     status = solve_posed(work, i, tolerance)
     if status == RunStatus.DONE:
-        if memory.method != POSED and work.lifted == 0:
+        if memory.method != POSED and work.posed.lifted == 0:
             settle_shares(work, i, tolerance, True, resting)
         note_certificate(work, recorder)
     return status
@@ -237,10 +239,10 @@ def solve_islands(work: SpatialWork, t: float, tolerance: float, warm: bool, las
 
     last: they are the last ones of the step from t [s]: the next one begins from them.
     """
-    islands = work.islands
+    islands = work.posed.islands
     if islands.next == 0:
-        work.remembered.n_next = 0
-    work.unsolved_large = 0
+        work.impulses.remembered.n_next = 0
+    work.impulses.unsolved_large = 0
     while islands.next < islands.count:
         status = solve_island(work, islands.next, tolerance, warm, recorder)
         if status != RunStatus.DONE:
@@ -249,17 +251,17 @@ def solve_islands(work: SpatialWork, t: float, tolerance: float, warm: bool, las
             keep_island(work, islands.next)
         islands.next += 1
     if last:
-        turn_over(work.remembered)
+        turn_over(work.impulses.remembered)
     return RunStatus.DONE
 
 
 @kernel
 def shorten_forces(work: SpatialWork) -> bool:
-    """Of all contact forces in ``work.p`` with the same effect the least ones, once a step.
+    """Of all contact forces in ``work.impulses.p`` with the same effect the least ones, once a step.
 
     Of islands without joints in which nothing slips; see :func:`lcpflex.dynamics.spatial.least_cones.shorten_island`.
     """
-    islands = work.islands
+    islands = work.posed.islands
     while islands.shortened < islands.count:
         i = islands.shortened
         if islands.start[i + 1] - islands.start[i] > 1 and not has_joints(work, i):

@@ -24,7 +24,7 @@ def kick_again(model: Any, h: float, work: Workspace, memory: SmoothMemory) -> N
 
     omega x J omega at the velocity before it alone gains energy and is of order 1; so it is of order 2.
     """
-    base = memory.nq + len(work.free_u)
+    base = memory.nq + len(work.free.u)
     for i in range(len(memory.end)):
         memory.at[i] = memory.end[i]
     for i in range(memory.nq, base):
@@ -43,14 +43,14 @@ def relax(model: Any, h: float, work: Workspace, memory: SmoothMemory) -> float:
     The rate of a component of a bristle depends on no other one.
     """
     contacts, y = work.compliant, memory.end
-    table: Any = contacts.table
+    table: Any = contacts.rows.table
     history = contacts.history
-    first = contacts.n_joint + contacts.n_contacts
+    first = contacts.rows.n_joint + contacts.rows.n_contacts
     highest = 0.0
-    for j in range(0, contacts.n_tangents, 2):
-        k = contacts.tangent[j]
+    for j in range(0, contacts.rows.n_tangents, 2):
+        k = contacts.rows.tangent[j]
         place = pair_place(model, history, table, k)
-        normal, mu = contacts.p[k, 0], contacts.mu[k]
+        normal, mu = contacts.p[k, 0], contacts.rows.mu[k]
         if place < 0 or not normal > 0.0:
             continue
         law = table.law[k]

@@ -28,15 +28,15 @@ def lift_island(model: SpatialModel, work: SpatialWork, i: int, q: FloatArray) -
 
     The frictionless problem of their normals, 0 <= z _|_ G_NN z + drift >= 0, by projected Gauss-Seidel, joints held.
     """
-    islands, n_joint = work.islands, work.n_joint
+    islands, n_joint = work.posed.islands, work.rows.n_joint
     first, m, deepest = islands.start[i], 0, 0.0
-    for r in range(n_joint, n_joint + work.n_contacts):
-        work.bias[r] = 0.0
+    for r in range(n_joint, n_joint + work.rows.n_contacts):
+        work.scratch.multipliers[r] = 0.0
     for c in range(islands.start[i + 1] - first):
-        sunk = work.sunk[islands.contact[first + c]]
+        sunk = work.scratch.sunk[islands.contact[first + c]]
         if sunk != 0.0:
-            work.closed[m] = c
-            work.drift[m] = sunk
+            work.scratch.closed[m] = c
+            work.scratch.drift[m] = sunk
             deepest = max(deepest, -sunk)
             m += 1
     if m == 0:
@@ -48,31 +48,35 @@ def lift_island(model: SpatialModel, work: SpatialWork, i: int, q: FloatArray) -
         pose_island(work, i)
     else:
         describe_island(work, i)
-    for d in range(len(work.solver.scene.x)):
-        work.solver.scene.x[d] = 0.0
+    for d in range(len(work.impulses.solver.scene.x)):
+        work.impulses.solver.scene.x[d] = 0.0
     for _ in range(SWEEPS):
         if lift_once(work, i, m, held) <= ENOUGH * deepest:
             break
-    displace(model, work, n_joint, n_joint + work.n_contacts, work.bias, q)
+    displace(model, work.rows, n_joint, n_joint + work.rows.n_contacts, work.scratch.multipliers, q)
     return True
 
 
 @kernel
 def lift_once(work: SpatialWork, i: int, m: int, held: bool) -> float:
-    """One sweep over the m contacts ``work.closed``, lifts in ``work.bias``; the largest change of a gap."""
-    islands, n_joint, memory, lifts, G = work.islands, work.n_joint, work.solver, work.bias, work.problem.delassus
+    """One sweep over the m contacts ``closed``, lifts in ``multipliers``; the largest change of a gap."""
+    islands, n_joint = work.posed.islands, work.rows.n_joint
+    memory, lifts, G = work.impulses.solver, work.scratch.multipliers, work.posed.problem.delassus
     first, largest = islands.start[i], 0.0
     for e in range(m):
-        c = work.closed[e]
+        c = work.scratch.closed[e]
         r = n_joint + islands.contact[first + c]
-        gap = work.drift[e]
+        gap = work.scratch.drift[e]
         own = G[3 * c, 3 * c] if held else memory.group.own[c, 0]
         if held:
             for f in range(m):
-                gap += G[3 * c, 3 * work.closed[f]] * lifts[n_joint + islands.contact[first + work.closed[f]]]
+                gap += (
+                    G[3 * c, 3 * work.scratch.closed[f]]
+                    * lifts[n_joint + islands.contact[first + work.scratch.closed[f]]]
+                )
         else:
-            moved, _, _ = speeds(work.rows, work.row_body, work.dof, work.free, r, -1, memory.scene.x)
-            gap += moved - work.free[r]
+            moved, _, _ = speeds(work.rows.J, work.rows.body, work.rows.dof, work.free.v, r, -1, memory.scene.x)
+            gap += moved - work.free.v[r]
         if not own > 0.0:
             continue
         change = max(-lifts[r], -gap / own)
@@ -80,20 +84,20 @@ def lift_once(work: SpatialWork, i: int, m: int, held: bool) -> float:
             lifts[r] += change
             largest = max(largest, abs(own * change))
             if not held:
-                push_rows(work.solved, work.row_body, work.dof, r, -1, change, 0.0, 0.0, memory.scene.x)
+                push_rows(work.rows.solved, work.rows.body, work.rows.dof, r, -1, change, 0.0, 0.0, memory.scene.x)
     return largest
 
 
 @late_kernel
 def lift_in_bodies(model: Any, work: SpatialWork, i: int, m: int, q: FloatArray) -> bool:
-    """Lift the m contacts ``work.closed`` of a large island, its joints held, by the solver of large islands.
+    """Lift the m contacts ``work.scratch.closed`` of a large island, its joints held, by the solver of large islands.
 
     Without friction, in place of impulses: these and the right-hand side of the step come back.
     """
-    if len(work.white) == 0:
+    if len(work.rows.white) == 0:
         return False
     describe_bodies(work, i)
     begin_lift(work, m)
-    solved = solve_large(work.large, work.large_solver, IN_SPACE) != ROOM  # as far as it goes
+    solved = solve_large(work.posed.large, work.impulses.large_solver, IN_SPACE) != ROOM  # as far as it goes
     end_lift(model, work, m, solved, q)
     return solved

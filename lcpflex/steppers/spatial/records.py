@@ -48,16 +48,16 @@ def friction_vector(table: SpatialContactTable, k: int, first: float, second: fl
 @kernel
 def add_impulse(work: SpatialWork, r: int, p: float, recorder: Recorder) -> None:
     """Add the impulse p of contact row r, counted behind those of joints: normal ones, and friction as a vector."""
-    n = work.n_contacts
+    n = work.rows.n_contacts
     sums = recorder.total_impulse
     if r < n:
-        sums[work.table.law[r], 0] += p
+        sums[work.rows.table.law[r], 0] += p
         return
-    k = work.tangent[r - n]
-    second = work.tangent_of[k] != r - n
-    law = work.table.law[k]
-    p *= side_of(recorder.table, law, work.table.body[k, 0])
-    x, y, z = friction_vector(work.table, k, 0.0 if second else p, p if second else 0.0)
+    k = work.rows.tangent[r - n]
+    second = work.posed.tangent_of[k] != r - n
+    law = work.rows.table.law[k]
+    p *= side_of(recorder.table, law, work.rows.table.body[k, 0])
+    x, y, z = friction_vector(work.rows.table, k, 0.0 if second else p, p if second else 0.0)
     sums[law, 1] += x
     sums[law, 2] += y
     sums[law, 3] += z
@@ -66,9 +66,9 @@ def add_impulse(work: SpatialWork, r: int, p: float, recorder: Recorder) -> None
 @kernel
 def add_compliant_impulse(contacts: SpatialWork, k: int, step: float, recorder: Recorder) -> None:
     """Add what compliant contact k has given in a step to the sums of its declared contact."""
-    sums, law = recorder.total_impulse, contacts.table.law[k]
-    side = step * side_of(recorder.table, law, contacts.table.body[k, 0])
-    x, y, z = friction_vector(contacts.table, k, side * contacts.p[k, 1], side * contacts.p[k, 2])
+    sums, law = recorder.total_impulse, contacts.rows.table.law[k]
+    side = step * side_of(recorder.table, law, contacts.rows.table.body[k, 0])
+    x, y, z = friction_vector(contacts.rows.table, k, side * contacts.p[k, 1], side * contacts.p[k, 2])
     sums[law, 0] += step * contacts.p[k, 0]
     sums[law, 1] += x
     sums[law, 2] += y
@@ -116,23 +116,23 @@ def note_impulses(
     model: SpatialModel, q: FloatArray, u: FloatArray, step: float, work: SpatialWork, recorder: Recorder
 ) -> None:
     """Add the touching points of the step to the instant about to be stored."""
-    n_joint, n = work.n_joint, work.n_contacts
+    n_joint, n = work.rows.n_joint, work.rows.n_contacts
     for k in range(n):
-        p_n = work.p[n_joint + k]
+        p_n = work.impulses.p[n_joint + k]
         if not p_n > 0.0:
             continue
         first, second, slip, rest, mu = 0.0, 0.0, 1.0, 0.0, 0.0
-        j = work.tangent_of[k]
+        j = work.posed.tangent_of[k]
         if j >= 0:
             r = n_joint + n + j
-            first, second = work.p[r], work.p[r + 1]
-            slip = abs(row_velocity(work.rows, work.row_body, r, work.dof, u))
-            slip += abs(row_velocity(work.rows, work.row_body, r + 1, work.dof, u))
-            rest = max(STICKING_SPEED, LEFT * (work.terms[n + j] + work.terms[n + j + 1]))
-            mu = work.mu[k]
+            first, second = work.impulses.p[r], work.impulses.p[r + 1]
+            slip = abs(row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u))
+            slip += abs(row_velocity(work.rows.J, work.rows.body, r + 1, work.rows.dof, u))
+            rest = max(STICKING_SPEED, LEFT * (work.free.terms[n + j] + work.free.terms[n + j + 1]))
+            mu = work.rows.mu[k]
         state = friction_state(p_n, math.hypot(first, second), mu, slip, rest)
-        place = contact_point(model, q, work.table, k)
-        note_spatial_contact(recorder, work.table, k, place, p_n / step, first / step, second / step, state)
+        place = contact_point(model, q, work.rows.table, k)
+        note_spatial_contact(recorder, work.rows.table, k, place, p_n / step, first / step, second / step, state)
 
 
 @kernel
@@ -140,8 +140,8 @@ def note_compliant(
     model: SpatialModel, q: FloatArray, contacts: SpatialWork, touching: bool, recorder: Recorder
 ) -> None:
     """Add the compliant contacts with the forces found at q; ``touching``: those without a force, too."""
-    table = contacts.table
-    for k in range(contacts.n_contacts):
+    table = contacts.rows.table
+    for k in range(contacts.rows.n_contacts):
         if touching or table.gap[k] < 0.0:
             place = contact_point(model, q, table, k)
             p = contacts.p[k]

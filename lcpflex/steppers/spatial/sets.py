@@ -71,13 +71,13 @@ def lay_mixed(work: SpatialWork, sets: SpatialContactSets, i: int) -> None:
     problem = sets.problem
     problem.n, problem.m = n, m
     for c in range(n):
-        k = work.part[c]
+        k = work.posed.part[c]
         problem.at[c] = sets.at[c]
-        problem.friction[c] = work.mu[k]
-        problem.floor[c] = work.least[k] if work.shifted == 1 else 0.0
+        problem.friction[c] = work.rows.mu[k]
+        problem.floor[c] = work.posed.least[k] if work.posed.shifted == 1 else 0.0
     for r in range(m):
         problem.q[r] = sets.right[r]
-        problem.terms[r] = work.terms[work.part[sets.place[r]]]
+        problem.terms[r] = work.free.terms[work.posed.part[sets.place[r]]]
         for s in range(m):
             problem.W[r, s] = sets.reduced[r, s]
 
@@ -110,7 +110,7 @@ def prefer_rest(work: SpatialWork, sets: SpatialContactSets, tolerance: float) -
     """
     problem = sets.problem
     for c in range(problem.n):
-        if sets.mode[work.part[c]] == SLIDING:
+        if sets.mode[work.posed.part[c]] == SLIDING:
             return False
     if all_rest(sets):
         return False
@@ -131,20 +131,20 @@ def prefer_rest(work: SpatialWork, sets: SpatialContactSets, tolerance: float) -
 def solve_on_sets(
     work: SpatialWork, sets: SpatialContactSets, i: int, tolerance: float, warm: bool, recorder: Recorder
 ) -> int:
-    """Forces of the contacts of island i to ``work.p``, on their sets; DONE, GROW, or SOLVER_FAILED."""
+    """Forces of the contacts of island i to ``work.impulses.p``, on their sets; DONE, GROW, or SOLVER_FAILED."""
     if not fits(work, i):
         return RunStatus.GROW
     lay_mixed(work, sets, i)
-    problem, solver, counts = sets.problem, work.solver, recorder.counts
+    problem, solver, counts = sets.problem, work.impulses.solver, recorder.counts
     solver.residual = solve_mixed(problem, tolerance)
-    if work.shifted == 0 and prefer_rest(work, sets, tolerance):
+    if work.posed.shifted == 0 and prefer_rest(work, sets, tolerance):
         solver.residual = judge_mixed(problem, problem.r)
     solver.residual = share_mixed(work, sets, tolerance, solver.residual)
     solver.strict = problem.strict
     solver.size = problem.m
     solver.iterations = problem.iterations
     if not solver.residual <= tolerance:
-        work.number = 1
+        work.impulses.number = 1
         return RunStatus.SOLVER_FAILED
     counts.worst_residual = max(counts.worst_residual, solver.residual)
     counts.worst_size = max(counts.worst_size, problem.m)
@@ -159,7 +159,7 @@ def share_load(work: SpatialWork, sets: SpatialContactSets, largest: float) -> f
     problem = sets.problem
     for c in range(problem.n):
         t = sets.at[c]
-        free = rests(sets, c) and sets.mode[work.part[c]] != SLIDING
+        free = rests(sets, c) and sets.mode[work.posed.part[c]] != SLIDING
         free = free and (t < 0 or (rests(sets, t) and rests(sets, t + 1)))
         problem.rests[c] = 1 if free else 0
     reserve = most_reserve(problem, largest)
@@ -173,7 +173,7 @@ def share_load(work: SpatialWork, sets: SpatialContactSets, largest: float) -> f
 @kernel
 def at_limit(work: SpatialWork, sets: SpatialContactSets, c: int, largest: float) -> None:
     """Contact c at rest, of several that have no reserve: it slides where no choice of forces takes it off its edge."""
-    k, t, x = work.part[c], sets.at[c], sets.problem.r
+    k, t, x = work.posed.part[c], sets.at[c], sets.problem.r
     friction = math.hypot(x[t], x[t + 1])
     if x[c] > INSIDE * largest and friction >= sets.problem.friction[c] * (x[c] - INSIDE * largest) and friction > 0.0:
         keep_direction(work, sets, k, -x[t], -x[t + 1])
@@ -185,7 +185,7 @@ def at_limit(work: SpatialWork, sets: SpatialContactSets, c: int, largest: float
 @kernel
 def at_edge(work: SpatialWork, sets: SpatialContactSets, c: int) -> None:
     """Contact c slides where its force is at the edge and it moves; where it does not move, it may stick for a try."""
-    k, t, x = work.part[c], sets.at[c], sets.problem.r
+    k, t, x = work.posed.part[c], sets.at[c], sets.problem.r
     friction = math.hypot(x[t], x[t + 1])
     if friction >= sets.problem.friction[c] * x[c] * (1.0 - FORCE_TOLERANCE):
         keep_direction(work, sets, k, -x[t], -x[t + 1])
@@ -208,15 +208,15 @@ def read_sets(work: SpatialWork, memory: Any) -> None:
     for c in range(problem.n):
         scale = max(scale, x[c])
         largest = max(largest, x[c])
-        if work.G[c, c] > 0.0:
-            largest = max(largest, abs(sets.free[c]) / work.G[c, c])
+        if work.scratch.G[c, c] > 0.0:
+            largest = max(largest, abs(sets.free[c]) / work.scratch.G[c, c])
     for c in range(problem.n):
-        idle = work.solver.shares.idle[c] == 1 and sets.at[c] < 0 and rests(sets, c)
-        sets.kept[work.part[c]] = 0 if x[c] <= CARRIES * largest and not idle else 1
+        idle = work.impulses.solver.shares.idle[c] == 1 and sets.at[c] < 0 and rests(sets, c)
+        sets.kept[work.posed.part[c]] = 0 if x[c] <= CARRIES * largest and not idle else 1
     reserve = share_load(work, sets, scale)
     others = False
     for c in range(problem.n):
-        k, t = work.part[c], sets.at[c]
+        k, t = work.posed.part[c], sets.at[c]
         shared = reserve > UNIQUE and problem.rests[c] == 1
         if shared and reserve > LIMIT:
             sets.kept[k] = 1
@@ -230,7 +230,7 @@ def read_sets(work: SpatialWork, memory: Any) -> None:
             elif reserve <= LIMIT:
                 at_limit(work, sets, c, scale)
         if not kept and others and largest > 0.0 and rests(sets, c):
-            memory.spared = 1 + work.table.law[k]
+            memory.spared = 1 + work.rows.table.law[k]
         others = others or kept
 
 
@@ -241,7 +241,7 @@ def keep_sets(n: int, work: SpatialWork, memory: Any) -> None:
     kept = 0
     for k in range(n):
         if sets.kept[k] == 1:
-            copy_entry(work.table, k, work.table, kept)
+            copy_entry(work.rows.table, k, work.rows.table, kept)
             sets.mode[kept] = sets.tried[k]
             sets.fallback[kept] = sets.fallback[k]
             sets.youth[kept] = sets.youth[k]
@@ -279,4 +279,4 @@ def note_paradox(settings: EventSettings, work: SpatialWork, memory: Any) -> Non
         memory.several += 1
         if memory.several == 1:
             memory.first_several = memory.time
-            memory.taken[work.problem.pair[0]] = OPEN
+            memory.taken[work.posed.problem.pair[0]] = OPEN

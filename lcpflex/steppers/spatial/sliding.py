@@ -79,35 +79,35 @@ def used(memory: Any) -> int:
 @kernel
 def sum_of(work: SpatialWork, memory: Any, k: int) -> int:
     """Where the sums of the declared contact of entry k begin in the state."""
-    return memory.nq + len(memory.u) + 3 + SUMS * work.table.law[k]
+    return memory.nq + len(memory.u) + 3 + SUMS * work.rows.table.law[k]
 
 
 @kernel
 def first_side(work: SpatialWork, memory: Any, k: int) -> float:
     """1 where side i of entry k is that of the first surface of its declared contact, else -1."""
-    return side_of(memory.seen, work.table.law[k], work.table.body[k, 0])
+    return side_of(memory.seen, work.rows.table.law[k], work.rows.table.body[k, 0])
 
 
 @kernel
 def friction_of(work: SpatialWork, memory: Any, k: int) -> Vector:
-    """Friction by ``work.p`` on the body of the first surface of the declared contact of k, world axes; it has some."""
+    """Friction by ``p`` on the body of the first surface of the declared contact of k, world axes; it has some."""
     side = first_side(work, memory, k)
-    r = work.n_joint + work.n_contacts + memory.sets.tangent_of[k]
+    r = work.rows.n_joint + work.rows.n_contacts + memory.sets.tangent_of[k]
     first, second = across(work, k)
-    return added(scaled(side * work.p[r], first), scaled(side * work.p[r + 1], second))
+    return added(scaled(side * work.impulses.p[r], first), scaled(side * work.impulses.p[r + 1], second))
 
 
 @kernel
 def add_rates(work: SpatialWork, memory: Any, u: FloatArray, base: int, out: FloatArray) -> None:
     """Rates of what contact forces do and sum up to, after ``fixed_forces``."""
     sets = memory.sets
-    for k in range(work.n_contacts):
+    for k in range(work.rows.n_contacts):
         at = sum_of(work, memory, k)
-        out[at] += work.p[work.n_joint + k]
+        out[at] += work.impulses.p[work.rows.n_joint + k]
         if sets.tangent_of[k] >= 0:
-            r = work.n_joint + work.n_contacts + sets.tangent_of[k]
+            r = work.rows.n_joint + work.rows.n_contacts + sets.tangent_of[k]
             first, second = slip_of(work, sets, k, u)
-            out[base] -= work.p[r] * first + work.p[r + 1] * second
+            out[base] -= work.impulses.p[r] * first + work.impulses.p[r + 1] * second
             friction = friction_of(work, memory, k)
             for i in range(3):
                 out[at + 1 + i] += friction[i]
@@ -119,17 +119,17 @@ def count_impulses(work: SpatialWork, memory: Any) -> None:
 
     Contacts that begin to slide are on their way from now on.
     """
-    sets, n_joint = memory.sets, work.n_joint
+    sets, n_joint = memory.sets, work.rows.n_joint
     base = memory.nq + len(memory.u)
     for k in range(memory.n_contacts):
         at = sum_of(work, memory, k)
-        memory.y[at] += work.p[n_joint + k]
+        memory.y[at] += work.impulses.p[n_joint + k]
         if sets.tangent_of[k] >= 0:
-            r = n_joint + work.n_contacts + sets.tangent_of[k]
+            r = n_joint + work.rows.n_contacts + sets.tangent_of[k]
             friction = friction_of(work, memory, k)
             for i in range(3):
                 memory.y[at + 1 + i] += friction[i]
-            memory.y[base] -= 0.5 * (work.p[r] * work.free[r] + work.p[r + 1] * work.free[r + 1])
+            memory.y[base] -= 0.5 * (work.impulses.p[r] * work.free.v[r] + work.impulses.p[r + 1] * work.free.v[r + 1])
         if sets.youth[k] == BEGINS:
             sets.youth[k] = SLOW
 
@@ -142,23 +142,23 @@ def watch(model: Any, work: SpatialWork, memory: Any, y: FloatArray) -> None:
     """
     nq = memory.nq
     q, u = y[:nq], y[nq : nq + len(memory.u)]
-    sets, value, n_joint = memory.sets, memory.value, work.n_joint
+    sets, value, n_joint = memory.sets, memory.value, work.rows.n_joint
     memory.force = 0.0
-    for k in range(work.n_contacts):
-        force = work.p[n_joint + k]
+    for k in range(work.rows.n_contacts):
+        force = work.impulses.p[n_joint + k]
         value[PRESSURE, k] = force
         value[CONE, k] = math.inf
         value[SLIDES, k] = math.inf
-        value[SPAN, k] = min(foot_margin(model, q, work.table, k), node_margin(model, q, work.table, k))
+        value[SPAN, k] = min(foot_margin(model, q, work.rows.table, k), node_margin(model, q, work.rows.table, k))
         size = abs(force)
-        if work.own[k] > 0.0:
-            size = max(size, abs(work.effect[k]) / work.own[k])
+        if work.posed.own[k] > 0.0:
+            size = max(size, abs(work.posed.effect[k]) / work.posed.own[k])
         memory.force = max(memory.force, size)
         if sets.tangent_of[k] < 0:
             continue
         if sets.mode[k] == STICKING:
-            r = n_joint + work.n_contacts + sets.tangent_of[k]
-            value[CONE, k] = work.mu[k] * force - math.hypot(work.p[r], work.p[r + 1])
+            r = n_joint + work.rows.n_contacts + sets.tangent_of[k]
+            value[CONE, k] = work.rows.mu[k] * force - math.hypot(work.impulses.p[r], work.impulses.p[r + 1])
         elif sets.mode[k] == SLIDING:
             first, second = slip_of(work, sets, k, u)
             if sets.youth[k] == FAST:
@@ -167,7 +167,7 @@ def watch(model: Any, work: SpatialWork, memory: Any, y: FloatArray) -> None:
                 t, s = across(work, k)
                 kept = row_vector(sets.direction, k)
                 value[SLIDES, k] = first * dot(kept, t) + second * dot(kept, s) + 2.0 * sets.slow
-    for k in range(work.n_contacts):
+    for k in range(work.rows.n_contacts):
         if sets.miss[k] > INCONSISTENT * memory.force:
             value[PRESSURE, k] = min(value[PRESSURE, k], -sets.miss[k])
 
@@ -208,7 +208,7 @@ def turning_time(work: SpatialWork, memory: Any, u: FloatArray) -> float:
     base = memory.nq + len(memory.u)
     rates = memory.slopes[0, memory.nq : base]
     longest = math.inf
-    for k in range(work.n_contacts):
+    for k in range(work.rows.n_contacts):
         if sets.mode[k] != SLIDING:
             continue
         first, second = slip_of(work, sets, k, u)
@@ -218,10 +218,10 @@ def turning_time(work: SpatialWork, memory: Any, u: FloatArray) -> float:
                 continue
             sets.youth[k] = FAST
         keep_direction(work, sets, k, first, second)
-        r = work.n_joint + work.n_contacts + sets.tangent_of[k]
+        r = work.rows.n_joint + work.rows.n_contacts + sets.tangent_of[k]
         change = math.hypot(
-            row_velocity(work.rows, work.row_body, r, work.dof, rates) + work.bias[r],
-            row_velocity(work.rows, work.row_body, r + 1, work.dof, rates) + work.bias[r + 1],
+            row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, rates) + work.rows.bias[r],
+            row_velocity(work.rows.J, work.rows.body, r + 1, work.rows.dof, rates) + work.rows.bias[r + 1],
         )
         if change > 0.0:
             longest = min(longest, PART * slip / change)
@@ -238,19 +238,21 @@ def note_forces(
     memory: Any,
     recorder: Recorder,
 ) -> None:
-    """Add the touching points with the forces ``work.p`` to the instant about to be stored."""
+    """Add the touching points with the forces ``work.impulses.p`` to the instant about to be stored."""
     sets = memory.sets
-    for k in range(work.n_contacts):
+    for k in range(work.rows.n_contacts):
         first, second = 0.0, 0.0
         state = STICK if sets.mode[k] == STICKING else SLIP
         if sets.mode[k] != SMOOTH:
-            r = work.n_joint + work.n_contacts + sets.tangent_of[k]
-            first, second = work.p[r], work.p[r + 1]
+            r = work.rows.n_joint + work.rows.n_contacts + sets.tangent_of[k]
+            first, second = work.impulses.p[r], work.impulses.p[r + 1]
             slip = slip_of(work, sets, k, u)
             if math.hypot(slip[0], slip[1]) <= settings.slip_threshold:
                 state = STICK
-        place = contact_point(model, q, work.table, k)
-        note_spatial_contact(recorder, work.table, k, place, work.p[work.n_joint + k], first, second, state)
+        place = contact_point(model, q, work.rows.table, k)
+        note_spatial_contact(
+            recorder, work.rows.table, k, place, work.impulses.p[work.rows.n_joint + k], first, second, state
+        )
 
 
 @kernel
@@ -268,7 +270,7 @@ def arises(model: SpatialModel, settings: EventSettings, work: SpatialWork, memo
     """
     nq = memory.nq
     q, u = memory.before[:nq], memory.before[nq : nq + len(memory.u)]
-    table, seen = work.table, memory.near
+    table, seen = work.rows.table, memory.near
     count = detect(model, q, settings.gap_tolerance, seen)
     if count > len(seen.key):
         return False

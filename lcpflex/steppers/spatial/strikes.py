@@ -25,18 +25,18 @@ __all__ = ["account", "solve_strike"]
 @kernel
 def account(model: Any, work: SpatialWork, memory: Any, recorder: Recorder, u: FloatArray) -> None:
     """Energy and impulses of the impact just solved, u after, ``memory.u`` before: p does p (w . u + w . u+) / 2."""
-    n_joint, n = work.n_joint, work.n_contacts
+    n_joint, n = work.rows.n_joint, work.rows.n_contacts
     base = memory.nq + len(u)
     if n_joint > 0:
         note_impulses(model, work, True, recorder.reactions)
-    for r in range(n_joint + n + work.n_tangents):
-        p = work.p[r]
+    for r in range(n_joint + n + work.rows.n_tangents):
+        p = work.impulses.p[r]
         if p == 0.0:
             continue
-        before = row_velocity(work.rows, work.row_body, r, work.dof, memory.u)
-        done = 0.5 * p * (before + row_velocity(work.rows, work.row_body, r, work.dof, u))
+        before = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, memory.u)
+        done = 0.5 * p * (before + row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u))
         if r < n_joint:
-            if work.rate[r] != 0.0:
+            if work.rows.rate[r] != 0.0:
                 memory.y[base + 2] += done
             continue
         memory.gained += done
@@ -45,16 +45,16 @@ def account(model: Any, work: SpatialWork, memory: Any, recorder: Recorder, u: F
             recorder.counts.lost_impacts -= done
             memory.y[sum_of(work, memory, k)] += p
             if memory.jamming == 0 and memory.stopping != 1:
-                note_strike(memory, work.table.key[k])
+                note_strike(memory, work.rows.table.key[k])
         else:
             j = r - n_joint - n
-            k = work.tangent[j]
+            k = work.rows.tangent[j]
             memory.y[base] -= done
             first, second = across(work, k)
             at, side = sum_of(work, memory, k) + 1, first_side(work, memory, k)
             for i in range(3):
-                memory.y[at + i] += side * p * (first[i] if work.tangent_of[k] == j else second[i])
-        law = work.table.law[k]
+                memory.y[at + i] += side * p * (first[i] if work.posed.tangent_of[k] == j else second[i])
+        law = work.rows.table.law[k]
         memory.law_work[law] += done
         if memory.law_state[2, law] == 0 and memory.stopping != 1:
             memory.law_state[2, law] = JAM if memory.jamming == 1 else HIT
@@ -64,7 +64,7 @@ def account(model: Any, work: SpatialWork, memory: Any, recorder: Recorder, u: F
 def all_free(work: SpatialWork, sets: SpatialContactSets) -> None:
     """No contact is known to slide."""
     sets.level = FORCE
-    for k in range(work.n_contacts):
+    for k in range(work.rows.n_contacts):
         sets.mode[k] = STICKING if sets.tangent_of[k] >= 0 else SMOOTH
 
 
@@ -79,10 +79,10 @@ def solve_strike(
     recorder: Recorder,
 ) -> int:
     """The problems of an impact that are not solved yet; those with impulses that are at least something here."""
-    if work.shifted == 0:
+    if work.posed.shifted == 0:
         return solve_islands(work, t, tolerance, warm, last, recorder)
     all_free(work, sets)
-    islands = work.islands
+    islands = work.posed.islands
     while islands.next < islands.count:
         status = solve_on_sets(work, sets, islands.next, tolerance, warm, recorder)
         if status != RunStatus.DONE:

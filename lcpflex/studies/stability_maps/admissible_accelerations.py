@@ -206,48 +206,48 @@ class _Instant:
 
     @property
     def contacts(self) -> tuple[str, ...]:
-        return tuple(self._system.name_of(int(law)) for law in self._work.table.law[: self._n])
+        return tuple(self._system.name_of(int(law)) for law in self._work.rows.table.law[: self._n])
 
     def gather(self, gap_tolerance: float, threshold: float) -> None:
         """The closed contacts that neither approach nor separate into the table."""
-        model, capacity = self._system.model, len(self._work.table.key)
-        found = int(self._detect(model, self._q, gap_tolerance, self._work.table))
+        model, capacity = self._system.model, len(self._work.rows.table.key)
+        found = int(self._detect(model, self._q, gap_tolerance, self._work.rows.table))
         while found == MORE_LAWS:
             self._system.more_laws()
-            found = int(self._detect(model, self._q, gap_tolerance, self._work.table))
+            found = int(self._detect(model, self._q, gap_tolerance, self._work.rows.table))
         if found > capacity:
             self._work, self._sets = self._system.workspace(2 * found), contact_sets(2 * found)
-            found = int(self._detect(model, self._q, gap_tolerance, self._work.table))
+            found = int(self._detect(model, self._q, gap_tolerance, self._work.rows.table))
         self._lay(model, self._t, self._q, self._u, found, self._work, self._sets)
         for k in range(found):
-            speed = self._speed(self._work.n_joint + k)
-            name = self._system.name_of(int(self._work.table.law[k]))
+            speed = self._speed(self._work.rows.n_joint + k)
+            name = self._system.name_of(int(self._work.rows.table.law[k]))
             if speed < -threshold:
                 raise ModelError(f"u: contact {name!r} approaches at {-speed:.6g} m/s: an impact comes first")
             if speed <= threshold:
-                copy_entry(self._work.table, k, self._work.table, self._n)
+                copy_entry(self._work.rows.table, k, self._work.rows.table, self._n)
                 self._n += 1
 
     def _speed(self, row: int) -> float:
         work = self._work
-        return float(row_velocity(work.rows, work.row_body, row, work.dof, self._u))
+        return float(row_velocity(work.rows.J, work.rows.body, row, work.rows.dof, self._u))
 
     def pose(self, threshold: float) -> Lcp:
         """The LCP on the index sets."""
         work, sets, n = self._work, self._sets, self._n
         self._assemble(self._system.model, self._t, self._q, self._u, n, work, sets)
-        self._free = work.free_u.copy()
+        self._free = work.free.u.copy()
         for k in range(n):
             sets.mode[k] = SMOOTH
             if sets.tangent_of[k] >= 0:
-                slip = self._speed(work.n_joint + n + sets.tangent_of[k])
+                slip = self._speed(work.rows.n_joint + n + sets.tangent_of[k])
                 sets.mode[k] = SLIDE_FORTH if slip > 0.0 else SLIDE_BACK
                 if abs(slip) <= 1e-3 * threshold:
                     sets.mode[k] = STICKING
         pose_sets(work, sets)
-        one_island(work.islands, n)
+        one_island(work.posed.islands, n)
         pose_island(work, 0)
-        return posed_lcp(work.problem, work.solver)
+        return posed_lcp(work.posed.problem, work.impulses.solver)
 
     def alike(self, a: AdmissibleMotion, b: AdmissibleMotion) -> bool:
         """Whether two motions are one: at rest, what is left of either is rounding of the motion without forces."""
@@ -256,27 +256,27 @@ class _Instant:
     def motion(self, z: FloatArray) -> AdmissibleMotion:
         """The motion that belongs to a solution z of the LCP."""
         work, sets, n = self._work, self._sets, self._n
-        n_joint, n_tangent = int(work.n_joint), int(work.n_tangents)
+        n_joint, n_tangent = int(work.rows.n_joint), int(work.rows.n_tangents)
         total = n_joint + n + n_tangent
-        row_forces(work.problem, work.solver, z, work.p[n_joint:])
+        row_forces(work.posed.problem, work.impulses.solver, z, work.impulses.p[n_joint:])
         force = np.zeros((n, 2))
-        force[:, 0] = work.p[n_joint : n_joint + n]
-        force[work.tangent[:n_tangent], 1] = work.p[n_joint + n : total]
-        joint_impulses(work, total, work.p)
+        force[:, 0] = work.impulses.p[n_joint : n_joint + n]
+        force[work.rows.tangent[:n_tangent], 1] = work.impulses.p[n_joint + n : total]
+        joint_impulses(work.rows, total, work.impulses.p)
         change = np.zeros_like(self._free)
-        apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, change)
+        apply_impulses(work.rows.solved, work.rows.body, 0, total, work.impulses.p, work.rows.dof, change)
         gaining = np.full((n, 2), np.nan)
         for k in range(n):
             rows = [n_joint + k] + ([n_joint + n + int(sets.tangent_of[k])] if sets.tangent_of[k] >= 0 else [])
             for i, r in enumerate(rows):
-                gained = row_velocity(work.rows, work.row_body, r, work.dof, change)
-                gaining[k, i] = gained + work.free[r]
+                gained = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, change)
+                gaining[k, i] = gained + work.free.v[r]
         fate = tuple(self._fate(k, force[k], gaining[k]) for k in range(n))
         return AdmissibleMotion(force, gaining, self._free + change, fate)
 
     def _fate(self, k: int, force: FloatArray, gaining: FloatArray) -> ContactFate:
         mode, n = int(self._sets.mode[k]), self._n
-        scale = float(np.abs(self._work.free[: int(self._work.n_joint) + 2 * n]).max(initial=0.0))
+        scale = float(np.abs(self._work.free.v[: int(self._work.rows.n_joint) + 2 * n]).max(initial=0.0))
         if force[0] == 0.0 and gaining[0] > STILL * scale:
             return ContactFate.SEPARATES
         if mode == SMOOTH:

@@ -196,9 +196,9 @@ def test_force_callbacks_see_the_state():
 
     from lcpflex.kinematics.points import point_angle, point_motion, point_position
 
-    work = SimpleNamespace(external=external(compiled))
+    work = SimpleNamespace(free=SimpleNamespace(external=external(compiled)))
     compiled.system().hooks[supply](compiled.model, 0.5, compiled.q.copy(), compiled.u.copy(), work)
-    np.testing.assert_array_equal(work.external[:, 0], [1.5, -2.0])
+    np.testing.assert_array_equal(work.free.external[:, 0], [1.5, -2.0])
     model = compiled.model
     p = compiled.layout.points["beam", "right"]
     np.testing.assert_allclose(seen["place"], point_position(model.bodies, model.points, compiled.q, p), rtol=1e-14)
@@ -208,7 +208,7 @@ def test_force_callbacks_see_the_state():
     assert seen["angle"] == pytest.approx(point_angle(model.bodies, model.points, compiled.q, p), rel=1e-14)
     assert seen["body"] == pytest.approx(0.3)
     driving = [np.zeros(len(compiled.q)) for _ in range(3)]
-    applied_forces(model, 0.5, compiled.q.copy(), compiled.u.copy(), np.zeros(2), work.external, *driving)
+    applied_forces(model, 0.5, compiled.q.copy(), compiled.u.copy(), np.zeros(2), work.free.external, *driving)
     np.testing.assert_allclose(driving[2][:2], [1.5, -2.0], rtol=1e-15)
 
 

@@ -46,7 +46,7 @@ def tree(n: int) -> lf.Scene:
 def test_the_factor_of_joints_grows_with_the_links(build: Callable[[int], lf.Scene]) -> None:
     entries, operations = [], []
     for n in LINKS:
-        factor = build(n).compile().system().workspace(1).joints.factor
+        factor = build(n).compile().system().workspace(1).rows.joints.factor
         below = np.diff(factor.start)
         entries.append(int(below.sum()))
         operations.append(int((below.astype(int) ** 2).sum()))

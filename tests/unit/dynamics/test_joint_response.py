@@ -118,17 +118,17 @@ SCENES: dict[str, Callable[[], lf.Scene]] = {
 def laid(system: System, n: int | None = None) -> tuple[Workspace, FloatArray, FloatArray]:
     """A workspace with all rows laid, the rows as a matrix, and M^-1 times them, both by rows."""
     work, q, u = system.workspace(64), system.q.copy(), system.u.copy()
-    found = int(detect(system.model, q, 10.0, work.table)) if n is None else n
+    found = int(detect(system.model, q, 10.0, work.rows.table)) if n is None else n
     lay_rows(system.model, 0.0, q, u, found, work, contact_sets(64))
-    total = work.n_joint + work.n_contacts + work.n_tangents
+    total = work.rows.n_joint + work.rows.n_contacts + work.rows.n_tangents
     W, solved = np.zeros((total, len(q))), np.zeros((total, len(q)))
     for r in range(total):
-        for i, b in enumerate(work.row_body[r]):
+        for i, b in enumerate(work.rows.body[r]):
             if b >= 0:
-                d = slice(work.dof[b], work.dof[b + 1])
-                W[r, d] += work.rows[r, i, : d.stop - d.start]
-                solved[r, d] += work.solved[r, i, : d.stop - d.start]
-    work.free[:total] = W @ np.random.default_rng(0).standard_normal(len(q))
+                d = slice(work.rows.dof[b], work.rows.dof[b + 1])
+                W[r, d] += work.rows.J[r, i, : d.stop - d.start]
+                solved[r, d] += work.rows.solved[r, i, : d.stop - d.start]
+    work.free.v[:total] = W @ np.random.default_rng(0).standard_normal(len(q))
     return work, W, solved
 
 
@@ -136,24 +136,26 @@ def laid(system: System, n: int | None = None) -> tuple[Workspace, FloatArray, F
 def test_condensed_contacts(name: str) -> None:
     """G_c = G_WW - G_WJ S^+ G_JW, b_c and the impulses of the joints that cancel all rates of them."""
     work, W, solved = laid(SCENES[name]().compile().system())
-    n, total = work.n_joint, len(W)
-    assert work.n_contacts >= 1
-    G, b = W @ solved.T, work.free[:total].copy()
+    n, total = work.rows.n_joint, len(W)
+    assert work.rows.n_contacts >= 1
+    G, b = W @ solved.T, work.free.v[:total].copy()
     lay_contacts(work)
-    one_island(work.islands, work.n_contacts)
+    one_island(work.posed.islands, work.rows.n_contacts)
     pose_island(work, 0)
     pinned = np.linalg.pinv(G[:n, :n], rcond=1e-9, hermitian=True)
     scale = np.abs(G[n:, n:]).max()
     m = total - n
-    assert work.problem.delassus[:m, :m] == pytest.approx(G[n:, n:] - G[n:, :n] @ pinned @ G[:n, n:], abs=1e-10 * scale)
-    assert np.array_equal(work.problem.delassus[:m, :m], work.problem.delassus[:m, :m].T)
-    assert work.problem.free[:m] == pytest.approx(b[n:] - G[n:, :n] @ pinned @ b[:n], abs=1e-10 * np.abs(b).max())
+    assert work.posed.problem.delassus[:m, :m] == pytest.approx(
+        G[n:, n:] - G[n:, :n] @ pinned @ G[:n, n:], abs=1e-10 * scale
+    )
+    assert np.array_equal(work.posed.problem.delassus[:m, :m], work.posed.problem.delassus[:m, :m].T)
+    assert work.posed.problem.free[:m] == pytest.approx(b[n:] - G[n:, :n] @ pinned @ b[:n], abs=1e-10 * np.abs(b).max())
     for loaded in (True, False):
-        work.p[:total] = np.random.default_rng(1).standard_normal(total) if loaded else 0.0
-        joint_impulses(work, total, work.p)
-        rates = b + G @ work.p[:total]
+        work.impulses.p[:total] = np.random.default_rng(1).standard_normal(total) if loaded else 0.0
+        joint_impulses(work.rows, total, work.impulses.p)
+        rates = b + G @ work.impulses.p[:total]
         assert rates[:n] == pytest.approx(np.zeros(n), abs=1e-11 * np.abs(b).max())
-        condensed = work.problem.free[:m] + work.problem.delassus[:m, :m] @ work.p[n:total]
+        condensed = work.posed.problem.free[:m] + work.posed.problem.delassus[:m, :m] @ work.impulses.p[n:total]
         assert rates[n:] == pytest.approx(condensed, abs=1e-10 * np.abs(b).max())
 
 
@@ -161,42 +163,42 @@ def test_condensed_contacts(name: str) -> None:
 def test_a_unit_impulse(name: str) -> None:
     """What the joints answer to one row alone, and how much of its rate they take."""
     work, W, solved = laid(SCENES[name]().compile().system())
-    n = work.n_joint
-    factorise_joints(work)
+    n = work.rows.n_joint
+    factorise_joints(work.rows)
     G = W @ solved.T
     for r in range(n, len(W)):
-        taken = respond(work, r)
-        assert G[:n, :n] @ work.joints.answer == pytest.approx(G[:n, r], abs=1e-11)
-        assert taken == pytest.approx(G[r, :n] @ work.joints.answer, abs=1e-11)
+        taken = respond(work.rows, r)
+        assert G[:n, :n] @ work.rows.joints.answer == pytest.approx(G[:n, r], abs=1e-11)
+        assert taken == pytest.approx(G[r, :n] @ work.rows.joints.answer, abs=1e-11)
 
 
 def test_redundant_joints_are_met_to_rounding() -> None:
     """Pivots of a lattice are small beside its dependent rows: an answer is corrected until it meets all rates."""
     work, W, solved = laid(lattice(5, contacts=False).compile().system(), n=0)
-    n = work.n_joint
-    assert work.joints.factor.dependent == 0
-    factorise_joints(work)
+    n = work.rows.n_joint
+    assert work.rows.joints.factor.dependent == 0
+    factorise_joints(work.rows)
     S = W @ solved.T
     surplus = n - np.linalg.matrix_rank(S, tol=1e-9 * S.max(), hermitian=True)
-    assert 0 < work.joints.factor.dependent <= surplus
+    assert 0 < work.rows.joints.factor.dependent <= surplus
     b = S @ np.random.default_rng(2).standard_normal(n)
     x = b.copy()
-    solve_joints(work, x)
+    solve_joints(work.rows, x)
     assert S @ x == pytest.approx(b, abs=1e-12 * np.abs(b).max())
-    assert np.count_nonzero(x) == n - work.joints.factor.dependent
+    assert np.count_nonzero(x) == n - work.rows.joints.factor.dependent
     assert np.abs(x).max() < 1e5 * np.abs(np.linalg.pinv(S, rcond=1e-10, hermitian=True) @ b).max()
 
 
 def test_contradicting_rates_end() -> None:
     """Rates that no motion has cannot be met: what is left stays, and is not made worse."""
     work, W, solved = laid(lattice(3, contacts=False).compile().system(), n=0)
-    factorise_joints(work)
+    factorise_joints(work.rows)
     S = W @ solved.T
     values, vectors = np.linalg.eigh(S)
     null = vectors[:, values < 1e-9 * values.max()]
     b = S @ np.ones(len(S)) + 1e-3 * null.sum(axis=1)
     x = b.copy()
-    solve_joints(work, x)
+    solve_joints(work.rows, x)
     kept = x != 0.0
     assert (S @ x - b)[kept] == pytest.approx(np.zeros(kept.sum()), abs=1e-11 * np.abs(b).max())
 

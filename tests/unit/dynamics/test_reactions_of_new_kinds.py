@@ -43,12 +43,21 @@ def test_a_new_kind_of_coordinate_makes_a_reaction(
     work, model, q = compiled.system().workspace(2), pack(compiled.model._replace(joints=kinds)), compiled.q.copy()
     u = np.random.default_rng(1).normal(size=len(q))
     joints.joint_rows.py_func(
-        model, 0.0, q, u, work.external, work.rows, work.row_body, work.wrench, work.rate, work.bias
+        model,
+        0.0,
+        q,
+        u,
+        work.free.external,
+        work.rows.J,
+        work.rows.body,
+        work.rows.wrench,
+        work.rows.rate,
+        work.rows.bias,
     )
-    p = np.full(len(work.p), FORCE)
+    p = np.full(len(work.impulses.p), FORCE)
     x, y, moment = reaction.py_func(model, work, 0, p)
     assert (x, y, moment) == tuple(FORCE * part for part in NEW_KINDS[name][:3])
     P = int(model.joints.point[0, 0])
     _, _, vx, vy, _, _ = point_motion(model.bodies, model.points, q, u, P)
-    on_p = 0.0 if P_on_ground else work.rows[0, 0, :3] @ u[:3]
+    on_p = 0.0 if P_on_ground else work.rows.J[0, 0, :3] @ u[:3]
     assert FORCE * on_p == pytest.approx(x * vx + y * vy + moment * point_angle(model.bodies, model.points, u, P))

@@ -25,12 +25,12 @@ def laid(of: Pair, before: int):
     work = system.workspace(4)
     for k in range(3):
         for name in ("kind", "node", "point", "radius", "sense", "foot", "body", "gap", "normal", "tangent", "along"):
-            getattr(work.table, name)[k] = getattr(of.table, name)[0]
-        work.table.law[k] = k
+            getattr(work.rows.table, name)[k] = getattr(of.table, name)[0]
+        work.rows.table.law[k] = k
     packed = pack(model)
-    n_tangent = fill_contact_rows(packed, q, 3, before, work)
-    work.bias[:] = np.nan
-    contact_biases(packed, q, u, 3, n_tangent, before, work)
+    n_tangent = fill_contact_rows(packed, q, 3, before, work.rows)
+    work.rows.bias[:] = np.nan
+    contact_biases(packed, q, u, 3, n_tangent, before, work.rows)
     return work, n_tangent
 
 
@@ -39,19 +39,19 @@ def test_normal_rows_come_first_and_two_tangential_ones_follow_for_each_contact_
     work, n_tangent = laid(of, before=0)
     blocks, bias = of.blocks(of.moving.q), of.bias(of.moving.q, of.moving.u)
     assert n_tangent == 4
-    np.testing.assert_array_equal(work.tangent[:4], [0, 0, 2, 2])
-    np.testing.assert_array_equal(work.mu[:3], FRICTION)
+    np.testing.assert_array_equal(work.rows.tangent[:4], [0, 0, 2, 2])
+    np.testing.assert_array_equal(work.rows.mu[:3], FRICTION)
     order = [0, 0, 0, 1, 2, 1, 2]
-    np.testing.assert_allclose(work.rows[:7], blocks[order], rtol=1e-14)
-    np.testing.assert_allclose(work.bias[:7], bias[order], rtol=1e-14)
-    np.testing.assert_array_equal(work.row_body[:7], [[0, 1]] * 7)
+    np.testing.assert_allclose(work.rows.J[:7], blocks[order], rtol=1e-14)
+    np.testing.assert_allclose(work.rows.bias[:7], bias[order], rtol=1e-14)
+    np.testing.assert_array_equal(work.rows.body[:7], [[0, 1]] * 7)
 
 
 def test_rows_of_joints_before_them_stay():
     of = pair(NODE_FACET, 3, grounded=1)
     work, n_tangent = laid(of, before=2)
     assert n_tangent == 4
-    assert not work.rows[:2].any()
-    assert np.isnan(work.bias[:2]).all()
-    np.testing.assert_allclose(work.rows[2:9], of.blocks(of.moving.q)[[0, 0, 0, 1, 2, 1, 2]], rtol=1e-14)
-    np.testing.assert_array_equal(work.row_body[2:9], [[0, -1]] * 7)
+    assert not work.rows.J[:2].any()
+    assert np.isnan(work.rows.bias[:2]).all()
+    np.testing.assert_allclose(work.rows.J[2:9], of.blocks(of.moving.q)[[0, 0, 0, 1, 2, 1, 2]], rtol=1e-14)
+    np.testing.assert_array_equal(work.rows.body[2:9], [[0, -1]] * 7)

@@ -104,16 +104,16 @@ def test_rows_are_solved_and_whitened() -> None:
     bodies = [random_body(np.random.default_rng(1), n, centred) for n, centred in ((0, True), (3, False), (5, True))]
     case = Case(5, bodies)
     rows, dof = 3, case.plain.bodies.dof
-    work: Any = _Rows(case.work, rows, int(np.diff(dof).max()))
+    laid: Any = _Rows(case.work, rows, int(np.diff(dof).max()))
     for r in range(rows):
-        work.row_body[r] = (r, (r + 1) % 3) if r else (0, -1)
-        for i, b in enumerate(work.row_body[r]):
+        laid.body[r] = (r, (r + 1) % 3) if r else (0, -1)
+        for i, b in enumerate(laid.body[r]):
             if b >= 0:
-                work.rows[r, i, : dof[b + 1] - dof[b]] = case.rng.normal(size=dof[b + 1] - dof[b])
+                laid.J[r, i, : dof[b + 1] - dof[b]] = case.rng.normal(size=dof[b + 1] - dof[b])
     leaves.factorise(case.model, case.q, 0.2, 0.3, case.work)
-    space.solve_rows.py_func(case.model, work, 0, rows)
-    space.whiten_rows.py_func(case.model, work, 0, rows)
-    flat, solved, white = (_scattered(part, work.row_body, dof) for part in (work.rows, work.solved, work.white))
+    space.solve_rows.py_func(case.model, laid, 0, rows)
+    space.whiten_rows.py_func(case.model, laid, 0, rows)
+    flat, solved, white = (_scattered(part, laid.body, dof) for part in (laid.J, laid.solved, laid.white))
     K, C = elastic_matrices(case.plain, case.q)  # type: ignore[arg-type]
     A = mass_matrix(case.plain, case.q) + 0.2 * C + 0.3 * K  # type: ignore[arg-type]
     np.testing.assert_allclose(solved @ A, flat, rtol=0, atol=1e-12)
@@ -124,9 +124,9 @@ class _Rows:
     """Rows with the factors of a workspace."""
 
     def __init__(self, work: Any, rows: int, width: int) -> None:
-        self.arrow = work.arrow
-        self.row_body = np.full((rows, 2), -1)
-        self.rows, self.solved, self.white = (np.zeros((rows, 2, width)) for _ in range(3))
+        self.arrow = work.rows.arrow
+        self.body = np.full((rows, 2), -1)
+        self.J, self.solved, self.white = (np.zeros((rows, 2, width)) for _ in range(3))
 
 
 def _scattered(rows: FloatArray, row_body: Any, dof: Any) -> FloatArray:
@@ -142,7 +142,7 @@ def _scattered(rows: FloatArray, row_body: Any, dof: Any) -> FloatArray:
 def test_energies_and_momenta_are_those_of_the_nodes(case: Case) -> None:
     q, u, g = case.q, case.u, np.array(GRAVITY)
     out = np.zeros((len(case.bodies), 9))
-    momenta(case.model.bodies, q, u, case.work.arrow, out)
+    momenta(case.model.bodies, q, u, case.work.rows.arrow, out)
     kinetic, elastic, weight = leaves.energies(case.model, q, u, case.work)
     M = mass_matrix(case.plain, q)  # type: ignore[arg-type]
     assert kinetic == pytest.approx(0.5 * u @ M @ u, rel=1e-13)
@@ -167,7 +167,7 @@ def test_products_beyond_n2_are_left_out_of_energy_and_forces_alike(case: Case) 
     still = np.zeros(len(u))
     leaves.forces(case.model, 0.0, q, u, case.work)
     M = mass_matrix(case.plain, q)  # type: ignore[arg-type]
-    push = case.work.arrow.spin.copy()
+    push = case.work.rows.arrow.spin.copy()
     accelerations = np.linalg.solve(M, push)
     h = 1e-4
 
@@ -181,7 +181,7 @@ def test_products_beyond_n2_are_left_out_of_energy_and_forces_alike(case: Case) 
     assert abs(slope) < 1e-7
     assert np.abs(push).max() > 0.1
     leaves.forces(case.model, 0.0, q, still, case.work)
-    assert not case.work.arrow.spin.any()
+    assert not case.work.rows.arrow.spin.any()
 
 
 def test_elastic_matrices_periods_and_kinds(case: Case) -> None:
@@ -190,8 +190,8 @@ def test_elastic_matrices_periods_and_kinds(case: Case) -> None:
     place, dof = case.plain.bodies.place.tolist(), case.plain.bodies.dof.tolist()
     modal = np.concatenate([case.q[i + 7 : j] for i, j in itertools.pairwise(place)])
     where = np.concatenate([np.arange(i + 6, j) for i, j in itertools.pairwise(dof)])
-    np.testing.assert_allclose(case.work.dissipative, -C @ case.u, rtol=0, atol=1e-14)
-    push = case.work.conservative - case.work.arrow.spin
+    np.testing.assert_allclose(case.work.free.dissipative, -C @ case.u, rtol=0, atol=1e-14)
+    push = case.work.free.conservative - case.work.rows.arrow.spin
     weight = np.zeros(len(case.u))
     for b, body in enumerate(case.bodies):
         d, i, w = case.plain.bodies.dof[b], case.plain.bodies.place[b], body.mass.sum(axis=0)
@@ -218,4 +218,4 @@ def test_interpreted_kernels_are_the_compiled_ones(case: Case) -> None:
         kernel = body_forces.flexible_inertia if case.bodies[b].n else body_forces.rigid_inertia
         kernel.py_func(case.plain.bodies, case.q, case.u, b, other, same)
     leaves.forces(case.model, 0.0, case.q, case.u, case.work)
-    np.testing.assert_allclose(case.work.arrow.spin, same, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(case.work.rows.arrow.spin, same, rtol=0, atol=1e-13)

@@ -25,12 +25,12 @@ class SpatialBodiesLaid:
 
 @struct
 class Laid:
-    """Rows, and what their factor needs of a workspace."""
+    """Rows, and what their factor needs."""
 
     dof: IntArray
-    rows: FloatArray
+    J: FloatArray
     solved: FloatArray
-    row_body: IntArray
+    body: IntArray
     joints: JointFactor
     arrow: SpatialBodiesLaid
 
@@ -55,9 +55,9 @@ def laid(mechanism: Mechanism) -> Laid:
         Laid,
         {},
         dof=np.arange(0, 6 * nb + 1, 6),
-        rows=rows,
+        J=rows,
         solved=solved,
-        row_body=row_body,
+        body=row_body,
         joints=joint_factor(pattern(mechanism), 6 * nb, 0),
         arrow=allocate(SpatialBodiesLaid, {"none": 0}),
     )

@@ -18,7 +18,7 @@ STEP = 1e-3
 def falling(laid: Laid, direction: tuple[float, float, float] = (0.0, 0.0, -1.0)) -> np.ndarray:
     """The velocity after a step of gravity from rest."""
     u = np.zeros(len(laid.system.u))
-    for d in laid.work.dof[:-1]:
+    for d in laid.work.rows.dof[:-1]:
         u[d : d + 3] = GRAVITY * STEP * np.asarray(direction)
     return u
 
@@ -67,7 +67,7 @@ def test_box_at_rest_carries_its_weight_and_stops() -> None:
     assert f[:, 0].sum() == pytest.approx(2.0 * GRAVITY * STEP, rel=1e-13)
     assert np.abs(laid.after(u)).max() < 1e-15
     assert laid.solve(u, warm=True) == 0
-    assert laid.work.solver.iterations == 0.0
+    assert laid.work.impulses.solver.iterations == 0.0
     assert np.array_equal(laid.forces().reshape(-1, 3)[:, 0], f[:, 0])
 
 
@@ -80,7 +80,7 @@ def test_forces_that_keep_a_box_still_are_found_and_serve() -> None:
     swept = 0
     for _ in range(600):
         assert laid.solve(u + pull, warm=True) == 0
-        swept += laid.work.solver.iterations > 0.0
+        swept += laid.work.impulses.solver.iterations > 0.0
         u = laid.after(u + pull)
     assert swept <= 40
     assert np.abs(u).max() < 1e-14
@@ -109,7 +109,7 @@ def test_forces_are_kept_as_vectors_of_the_world(turn: float) -> None:
     laid.turn = turn
     laid._rows()
     assert laid.solve(u, warm=True) == 0
-    assert laid.work.solver.iterations == 0.0
+    assert laid.work.impulses.solver.iterations == 0.0
     assert laid.after(u) == pytest.approx(np.zeros(6), abs=1e-15)
 
 
@@ -123,7 +123,7 @@ def test_islands_equal_the_whole() -> None:
     laid = Laid(scene.compile().system(), touches)
     u = np.arange(12.0) - 8.0
     assert laid.solve(u) == 0
-    assert laid.work.islands.count == 2
+    assert laid.work.posed.islands.count == 2
     assert laid.problem().residuals(laid.forces())[1] <= 1e-9
 
 
@@ -141,7 +141,7 @@ def test_a_body_that_joints_hold_keeps_islands_apart(held: bool) -> None:
     laid = Laid(scene.compile().system(), touches)
     u = np.concatenate([np.zeros(6), np.random.default_rng(1).standard_normal(12) - 2.0])
     assert laid.solve(u) == 0
-    assert laid.work.islands.count == (2 if held else 1)
+    assert laid.work.posed.islands.count == (2 if held else 1)
     assert laid.problem().residuals(laid.forces())[0] <= 1e-9
 
 
@@ -199,15 +199,15 @@ def test_sunk_contacts_are_lifted(jointed: bool) -> None:
             scene.compile().system(), [Touch(0, -1, np.array([x, y, -0.05]), up) for x, y in ((-0.1, 0.0), (0.1, 0.1))]
         )
     assert laid.solve(falling(laid)) == 0
-    n = laid.work.n_contacts
-    laid.work.sunk[:n] = -1e-6 * np.array([1.0, 2.0, 2.0, 3.0])[:n]
+    n = laid.work.rows.n_contacts
+    laid.work.scratch.sunk[:n] = -1e-6 * np.array([1.0, 2.0, 2.0, 3.0])[:n]
     q = laid.q.copy()
     assert lift_island(laid.system.model, laid.work, 0, q)
     if jointed:  # what is left is the answer of the joints, which are projected afterwards
-        G, lifts = laid.problem().dense()[::3, ::3], laid.work.bias[laid.work.n_joint :][:n]
-        assert G @ lifts == pytest.approx(-laid.work.sunk[:n], rel=1e-5)
+        G, lifts = laid.problem().dense()[::3, ::3], laid.work.scratch.multipliers[laid.work.rows.n_joint :][:n]
+        assert G @ lifts == pytest.approx(-laid.work.scratch.sunk[:n], rel=1e-5)
         return
-    for touch, depth in zip(laid.touches, -laid.work.sunk[:n], strict=True):
+    for touch, depth in zip(laid.touches, -laid.work.scratch.sunk[:n], strict=True):
         before, after = (Rotation.from_quat(x[3:7], scalar_first=True) for x in (laid.q, q))
         arm = before.inv().apply(touch.place - laid.q[:3])
         moved = q[:3] + after.apply(arm) - touch.place

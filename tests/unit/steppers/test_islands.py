@@ -62,9 +62,9 @@ def test_problems_are_those_of_islands() -> None:
     run = started(bouncing(40, restitution=0.0), lf.MoreauJean(1e-3))
     assert run.advance(200) == ""
     work = run.method.stepping.work
-    assert work.islands.count == work.n_contacts == 40
-    assert len(work.problem.friction) == 16
-    assert work.solver.M.shape == (48, 48)
+    assert work.posed.islands.count == work.rows.n_contacts == 40
+    assert len(work.posed.problem.friction) == 16
+    assert work.impulses.solver.M.shape == (48, 48)
 
 
 def bridge(held: bool, drive: Callable[[float], float] | None = None) -> lf.Scene:
@@ -85,7 +85,7 @@ def bridge(held: bool, drive: Callable[[float], float] | None = None) -> lf.Scen
 def test_a_body_joins_what_stands_on_it_unless_the_ground_holds_it(held: bool) -> None:
     run = started(bridge(held), lf.MoreauJean(1e-3))
     assert run.advance(50) == ""
-    assert run.method.stepping.work.islands.count == (2 if held else 1)
+    assert run.method.stepping.work.posed.islands.count == (2 if held else 1)
     result = lf.simulate(bridge(held), 0.2, lf.MoreauJean(1e-3), progress=False)
     assert np.abs(result.q - result.q[0]).max() < 1e-9
     names = list(result.contact_names)

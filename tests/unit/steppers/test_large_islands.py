@@ -251,15 +251,15 @@ def started(scene: lf.Scene, steps: int) -> Any:
 def test_what_was_posed_stays_as_it_was_while_sunk_contacts_are_lifted() -> None:
     stepping = started(stack(boxes=15), 3).method.stepping
     work = stepping.work
-    assert work.n_contacts > 50
-    kept = [np.array(values) for values in (work.terms, work.free, work.p)]
-    work.closed[:2], work.drift[:2] = (0, 5), -1e-6
-    moved = np.zeros(len(work.free_u))
+    assert work.rows.n_contacts > 50
+    kept = [np.array(values) for values in (work.free.terms, work.free.v, work.impulses.p)]
+    work.scratch.closed[:2], work.scratch.drift[:2] = (0, 5), -1e-6
+    moved = np.zeros(len(work.free.u))
     assert lift_large_island(stepping.system.model, work, 0, 2, moved)
     assert np.abs(moved).max() > 1e-7
-    for values, before in zip((work.terms, work.free, work.p), kept, strict=True):
+    for values, before in zip((work.free.terms, work.free.v, work.impulses.p), kept, strict=True):
         assert np.array_equal(values, before)
-    assert work.terms[: work.n_contacts].min() > 0.0
+    assert work.free.terms[: work.rows.n_contacts].min() > 0.0
 
 
 def test_joints_of_a_large_island_begin_with_the_impulses_of_the_step_before() -> None:
@@ -276,11 +276,11 @@ def test_joints_of_a_large_island_begin_with_the_impulses_of_the_step_before() -
         below = box
     run = started(scene, 2)
     work = run.method.stepping.work
-    assert work.n_contacts > work.dense_limit
+    assert work.rows.n_contacts > work.impulses.dense_limit
     for _ in range(5):
         made_exactly(run, 1)
-        assert (work.large_solver.newton.factors, work.large_solver.search.sweeps) == (0, 0)
-        assert work.large_solver.judged.residual <= 1e-9
+        assert (work.impulses.large_solver.newton.factors, work.impulses.large_solver.search.sweeps) == (0, 0)
+        assert work.impulses.large_solver.judged.residual <= 1e-9
     assert np.abs(run.method.stepping.scheme.u).max() < 1e-9
 
 

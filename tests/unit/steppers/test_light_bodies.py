@@ -74,7 +74,8 @@ def test_a_run_goes_on_with_what_is_right_as_a_whole_and_names_the_light_contact
     memory.judged.residual, memory.judged.missed = 1e-9, 1e-4
     assert lags(memory.judged)
     rescue = Rescue(Auto(), TOLERANCE)
-    work = SimpleNamespace(problem=data, solver=memory, islands=SimpleNamespace(next=0))
+    posed = SimpleNamespace(problem=data, islands=SimpleNamespace(next=0))
+    work = SimpleNamespace(posed=posed, impulses=SimpleNamespace(solver=memory))
     rescue._at, rescue._times[0] = 2.0, MOST_RESCUES + 1
     assert rescue(work, 2.0)
     assert solve_cones(data, memory) == SOLVED

@@ -47,11 +47,11 @@ def test_contacts_and_bodies_of_what_is_no_number_are_named() -> None:
     laid.lay(np.zeros(6))
     system, work = laid.system, laid.work
     assert not_finite(system, work) == ""
-    work.p[2] = np.nan
+    work.impulses.p[2] = np.nan
     named = not_finite(system, work)
     assert named.startswith("contact number 1 in the order of declaration of body ")
     assert repr(system.bodies[0]) in named
-    work.p[2], work.free_u[4] = 0.0, np.inf
+    work.impulses.p[2], work.free.u[4] = 0.0, np.inf
     assert not_finite(system, work) == f"body {system.bodies[0]!r}"
 
 

@@ -53,31 +53,33 @@ def euler_step(model: Model, scheme: EulerScheme, t: float, work: Workspace, rec
     if t >= scheme.fails_at:
         return RunStatus.STIFF
     set_out(q, recorder)
-    n = detect(model, q, scheme.gap_tolerance, work.table)
+    n = detect(model, q, scheme.gap_tolerance, work.rows.table)
     clock.number = n
-    if n > len(work.table.key):
+    if n > len(work.rows.table.key):
         return RunStatus.GROW
     supply(model, t, q, u, work)
     forces(model, t, q, u, work)
     factorise(model, q, 0.0, 0.0, work)
     for i in range(len(q)):
-        work.free_u[i] = h * work.total[i]
-    solve_vector(model, work, work.free_u)
+        work.free.u[i] = h * work.free.total[i]
+    solve_vector(model, work, work.free.u)
     for i in range(len(q)):
-        work.free_u[i] += u[i]
-    work.n_joint, work.n_contacts = 0, n
-    work.n_tangents = fill_contact_rows(model, q, n, 0, work)
-    solve_rows(model, work, 0, n + work.n_tangents)
+        work.free.u[i] += u[i]
+    work.rows.n_joint, work.rows.n_contacts = 0, n
+    work.rows.n_tangents = fill_contact_rows(model, q, n, 0, work.rows)
+    solve_rows(model, work.rows, 0, n + work.rows.n_tangents)
     pose(model, work, u, 0.0, 0.0)
     warm = last = n >= 0
     status = solve_islands(work, t, scheme.tolerance, warm, last, recorder)
     if status != RunStatus.DONE:
-        clock.number = work.number
+        clock.number = work.impulses.number
         return status
     answer_joints(work)
-    apply_impulses(work.solved, work.row_body, 0, n + work.n_tangents, work.p, work.dof, work.free_u)
+    apply_impulses(
+        work.rows.solved, work.rows.body, 0, n + work.rows.n_tangents, work.impulses.p, work.rows.dof, work.free.u
+    )
     for i in range(len(q)):
-        u[i] = work.free_u[i]
+        u[i] = work.free.u[i]
     advance(model, q, u, h, q)
     return RunStatus.DONE
 

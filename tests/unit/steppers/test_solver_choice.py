@@ -29,7 +29,7 @@ def stack_memory(steps: int = 5) -> tuple[Workspace, Any]:
     """Work memory of a stack of boxes with redundant frictional contacts, after some steps."""
     case = scenes()["stack"]
     run: Any = case.stepper.start(case.build().compiled().system(), 1.0, 1.0)
-    run.method.stepping.work.dense_limit = NO_LIMIT  # as one dense problem
+    run.method.stepping.work.impulses.dense_limit = NO_LIMIT  # as one dense problem
     assert run.advance(steps) == ""
     return run.method.stepping.work, run
 
@@ -47,10 +47,10 @@ def test_auto_and_lemke_give_the_same_motion(name: str) -> None:
 
 def test_the_last_basis_solves_the_next_problem_at_once() -> None:
     work, _ = stack_memory()
-    data, memory = work.problem, work.solver
+    data, memory = work.posed.problem, work.impulses.solver
     assert memory.method == AUTO
-    assert work.remembered.n == data.n_contacts > 10
-    recall_basis(data, memory, work.remembered)
+    assert work.impulses.remembered.n == data.n_contacts > 10
+    recall_basis(data, memory, work.impulses.remembered)
     assert solve_contacts(data, memory) == 0
     assert memory.iterations == 1  # one linear solve
     assert solve_contacts(data, memory) == 0  # what is known counts once: this one starts cold
@@ -59,16 +59,16 @@ def test_the_last_basis_solves_the_next_problem_at_once() -> None:
 
 def test_a_basis_follows_its_contact_to_another_place() -> None:
     work, _ = stack_memory()
-    data, memory = work.problem, work.solver
+    data, memory = work.posed.problem, work.impulses.solver
     n, n_tangent = data.n_contacts, data.n_tangents
     keys = data.key[:n].copy()
     basis = np.arange(n + 2 * n_tangent) % 2
     memory.basis[: len(basis)] = basis
-    remember_basis(data, memory, work.remembered)
-    turn_over(work.remembered)
+    remember_basis(data, memory, work.impulses.remembered)
+    turn_over(work.impulses.remembered)
     data.key[: n - 1] = keys[1:]  # the first contact has opened, a new one stands last
     data.key[n - 1] = keys.max() + 1
-    recall_basis(data, memory, work.remembered)
+    recall_basis(data, memory, work.impulses.remembered)
     for part in range(3):
         first = part * n  # all contacts of the stack have friction
         assert (memory.basis[first : first + n - 1] == basis[first + 1 : first + n]).all()
@@ -77,7 +77,7 @@ def test_a_basis_follows_its_contact_to_another_place() -> None:
 
 def pose_hard(work: Workspace) -> None:
     """HARD as a contact problem: three contacts of which the last one slides."""
-    data = work.problem
+    data = work.posed.problem
     data.n_contacts, data.n_tangents, data.on_sets = 3, 1, 1
     data.tangent[0], data.mode[:3] = 2, (SMOOTH, SMOOTH, SLIDE_FORTH)
     data.delassus[:4, :4] = 0.0
@@ -86,7 +86,7 @@ def pose_hard(work: Workspace) -> None:
 
 def test_a_problem_that_the_compiled_part_cannot_solve_goes_down_the_chain() -> None:
     work, _ = stack_memory()
-    data, memory = work.problem, work.solver
+    data, memory = work.posed.problem, work.impulses.solver
     pose_hard(work)
     assert solve_contacts(data, memory) != 0
     assert Rescue(lf.Auto(), 1e-9)(work, 0.0)
@@ -128,7 +128,7 @@ def test_a_rescued_step_is_repeated_and_the_run_goes_on() -> None:
 
 def test_the_posed_problem_is_the_one_in_memory() -> None:
     work, _ = stack_memory()
-    data, memory = work.problem, work.solver
+    data, memory = work.posed.problem, work.impulses.solver
     problem = posed_problem(data, memory)
     m = memory.size
     assert isinstance(problem, ContactProblem)
@@ -141,7 +141,7 @@ def test_the_posed_problem_is_the_one_in_memory() -> None:
 @pytest.mark.parametrize(("mode", "sign"), [(SLIDE_FORTH, 1.0), (SLIDE_BACK, -1.0)])
 def test_a_problem_on_index_sets_has_the_friction_of_sliding_contacts_in_its_matrix(mode: int, sign: float) -> None:
     work, _ = stack_memory()
-    data, memory = work.problem, work.solver
+    data, memory = work.posed.problem, work.impulses.solver
     G = np.array([[4.0, 0.3, 0.5, 0.1], [0.3, 3.0, 0.2, 0.4], [0.5, 0.2, 6.0, 0.6], [0.1, 0.4, 0.6, 5.0]])
     data.n_contacts, data.n_tangents, data.on_sets = 2, 2, 1  # contact 0 slides, contact 1 may stick
     data.tangent[:2], data.mode[:2], data.friction[:2] = (0, 1), (mode, STICKING), (0.4, 0.7)
@@ -162,7 +162,7 @@ def test_a_problem_on_index_sets_has_the_friction_of_sliding_contacts_in_its_mat
 def test_least_normal_forces_shift_the_problem(friction: float) -> None:
     """Contact 0 would carry less than it must: it carries that, opens, and contact 1 answers."""
     work, _ = stack_memory()
-    data, memory = work.problem, work.solver
+    data, memory = work.posed.problem, work.impulses.solver
     n_tangent = 2 if friction else 0
     G = np.array([[2.0, -0.5, 0.1, 0.0], [-0.5, 2.0, 0.0, 0.1], [0.1, 0.0, 3.0, 0.0], [0.0, 0.1, 0.0, 3.0]])
     data.n_contacts, data.n_tangents, data.on_sets, data.shifted = 2, n_tangent, 0, 1
@@ -182,8 +182,8 @@ def test_least_normal_forces_shift_the_problem(friction: float) -> None:
 
 def test_contacts_with_one_key_come_as_an_lcp() -> None:
     work, _ = stack_memory()
-    work.problem.key[1] = work.problem.key[0]
-    assert isinstance(posed_problem(work.problem, work.solver), Lcp)
+    work.posed.problem.key[1] = work.posed.problem.key[0]
+    assert isinstance(posed_problem(work.posed.problem, work.impulses.solver), Lcp)
 
 
 class TestRecordProblems:

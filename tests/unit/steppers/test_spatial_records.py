@@ -71,9 +71,8 @@ def test_a_force_is_that_on_the_body_of_the_first_surface_whichever_side_a_pair_
 def test_impulses_of_rows_sum_up_to_the_same_vectors() -> None:
     table = entries([0, 1, 1], [(2, 0), (1, 2), (2, 1)])
     forces = np.array([[5.0, 1.0, -2.0], [4.0, 0.5, 0.25], [3.0, -1.0, 0.75]])
-    work = SimpleNamespace(
-        table=table, n_contacts=3, tangent=np.repeat(np.arange(3), 2), tangent_of=np.array([0, 2, 4])
-    )
+    laid = SimpleNamespace(table=table, n_contacts=3, tangent=np.repeat(np.arange(3), 2))
+    work = SimpleNamespace(rows=laid, posed=SimpleNamespace(tangent_of=np.array([0, 2, 4])))
     told, rows = recording(), [*forces[:, 0], *forces[:, 1:].ravel()]
     for r, p in enumerate(rows):
         add_impulse.py_func(work, r, float(p), told)
