@@ -22,6 +22,7 @@ class Group:
     law: IntArray = array("units")  # numbers of lcpflex.solvers.contact.laws
     mu: FloatArray = array("units")  # coefficient of friction [-]
     floor: FloatArray = array("units")  # a force that the law knows: what p_N is at least, see laws.half_line
+    numbers: FloatArray = array("units", 2)  # further ones of the law, without a unit
     own: FloatArray = array("units", "block")  # W_kk by rows
     unit: FloatArray = array("units")  # d: p / d and d v of all units are alike; 1 where they are scaled already
     free: FloatArray = array("units", "rows")

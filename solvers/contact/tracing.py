@@ -52,6 +52,16 @@ def no_path(
 
 
 @kernel
+def has_path(group: Group) -> bool:
+    """Whether all laws are those whose margins are known here: paths are of Coulomb's, of a half line and of joints."""
+    for k in range(group.n):
+        law = group.law[k]
+        if law != COULOMB and law != BILATERAL and not (law == HALF_LINE and group.floor[k] == 0.0):
+            return False
+    return True
+
+
+@kernel
 def lift(group: Group, work: NewtonWork, residual: float) -> None:
     """States of all units at the centre, and what to add to their velocities for these to fit."""
     centre, base, state, law, mu, added = work.centre, work.base, work.state, group.law, group.mu, work.lift
@@ -193,6 +203,8 @@ def trace_in_plane(
     op: Operator, group: Group, judged: Judged, best: Best, work: NewtonWork, eps: float, count: int, like: Vector
 ) -> bool:
     """One factor for each change of a state."""
+    if not has_path(group):
+        return False
     p, point, n, rho = group.p, work.point, unknowns(op, group), 1.0 / eps  # units are scaled in the plane
     residual = judge(op, group, judged, p, like)
     copy_forces(group, p, work.centre, like)

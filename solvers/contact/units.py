@@ -63,6 +63,7 @@ def solve_units(
     *,
     mu: npt.ArrayLike = 0.0,
     floor: npt.ArrayLike = 0.0,
+    numbers: npt.ArrayLike = 0.0,
     tolerance: float = 1e-10,
 ) -> UnitForces:
     """Solve v = free + W p with (p_k, v_k) under law k, for units of S rows each.
@@ -76,7 +77,9 @@ def solve_units(
     laws
         Of each unit: modules of :mod:`lcpflex.solvers.contact.laws` that are named in its table.
     mu, floor
-        Their parameters, numbers or (n,): coefficient of friction [-], least normal force.
+        Their parameters, numbers or (n,): a coefficient of friction [-], a force.
+    numbers
+        (n, 2) further ones of laws that know some [-].
     tolerance
         Of the residual.
 
@@ -97,7 +100,7 @@ def solve_units(
         if law not in LAWS:
             raise ModelError(f"laws[{k}] is {law!r}: expected a module that is named in lcpflex.solvers.contact.laws")
         group.law[k] = number_of(law)
-    group.mu[:], group.floor[:] = mu, np.asarray(floor) / scale
+    group.mu[:], group.floor[:], group.numbers[:] = mu, np.asarray(floor) / scale, numbers
     return _found(group, op, scale, S, tolerance)
 
 

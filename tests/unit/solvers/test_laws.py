@@ -41,6 +41,7 @@ def unit(law: ModuleType, rows: int, seed: int) -> tuple[Group, np.random.Genera
     W /= W.diagonal().max()
     group.law[0], group.mu[0], group.unit[0], group.own[0] = number_of(law), random.uniform(0.1, 1.5), 1.0, W.ravel()
     group.floor[0] = random.choice([0.0, 0.3])
+    group.numbers[0] = random.choice([0.0, 0.1, 0.7], size=2)
     return group, random
 
 
