@@ -101,8 +101,8 @@ class Scratch:
     marked: IntArray = array("bodies")  # of the present large island
 
 
-# Who may write to all fields of an owner, and who besides to one: modules, or packages with all in them. A function that
-# is handed a whole owner stands in one of them; where a field is handed over, either side may be the writer. The
+# Who may write to all fields of an owner, and who besides to one: modules, or packages with all in them. A function
+# that is handed a whole owner stands in one of them; where a field is handed over, either side may be the writer. The
 # sources are tested against this.
 WRITERS: dict[str, tuple[str, ...]] = {
     "Rows": (
