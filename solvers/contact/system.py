@@ -15,7 +15,7 @@ from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate
 from lcpflex.solvers.contact.active_set import states_of
-from lcpflex.solvers.contact.algebra import IN_SPACE, PLANAR, Vector, put
+from lcpflex.solvers.contact.algebra import IN_SPACE, PLANAR, Vector, add_sparse_row, put, sparse_dot
 from lcpflex.solvers.contact.block_iteration import sweep
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.laws import COULOMB
@@ -106,6 +106,21 @@ def own_blocks(W: FloatArray, row: IntArray, own: FloatArray) -> None:
 
 
 @kernel
+def own_of_rows(
+    first: IntArray, place: IntArray, value: FloatArray, row: IntArray, x: FloatArray, own: FloatArray
+) -> None:  # fmt: skip
+    """The same of W = J J^T by the rows of J in compressed form. Work: x, as long as J has columns, zero throughout."""
+    n, rows = row.shape
+    for k in range(n):
+        for a in range(rows):
+            add_sparse_row(row[k, a], first, place, value, 1.0, x)
+            for b in range(rows):
+                there = row[k, a] >= 0
+                own[k, rows * a + b] = sparse_dot(row[k, b], first, place, value, x) if there else 0.0
+            add_sparse_row(row[k, a], first, place, value, -1.0, x)
+
+
+@kernel
 def friction_point(group: Group, row: IntArray, z: FloatArray, basis: IntArray) -> None:
     """z = [lambda_N, lambda_R, xi_L] of the three-unknown form for the forces and velocities of planar contacts.
 
@@ -165,19 +180,20 @@ class ContactSystem:
         self.problem = problem
         _, free, friction, _ = problem._data
         self.like: Vector = IN_SPACE if has_cones(problem) else PLANAR
-        kept = _kept.systems.pop((len(friction), len(free), len(self.like)), None) if _is_dense(storage) else None
-        self.group, self.row, self._place, dense = _laid_out(problem, self.like) if kept is None else kept
+        kept = _kept.systems.pop((len(friction), len(free), len(self.like)), None)
+        self.group, self.row, self._place, self._dense = _laid_out(problem, self.like) if kept is None else kept
         self.load = pose(self.group, free, friction, problem.units, self.row, self._place)
-        self.op: Any = _operator(problem, self.group, self.row, storage, dense)
+        self.op: Any = _operator(problem, self.group, self.row, storage, self._dense)
         self.largest = 0.0
 
     def release(self) -> None:
         """Leave the memory of a few contacts to the next problem: this one is solved."""
-        if isinstance(self.op, Dense) and self.group.n <= FEW:
+        if self.group.n <= FEW:
             if len(_kept.systems) >= SIZES:
                 _kept.systems.clear()
-            sizes = self.group.n, self.op.m, len(self.like)
-            _kept.systems[sizes] = self.group, self.row, self._place, self.op
+            dense = self.op if isinstance(self.op, Dense) else self._dense
+            sizes = self.group.n, len(self._place), len(self.like)
+            _kept.systems[sizes] = self.group, self.row, self._place, dense
 
     @property
     def forces(self) -> FloatArray:
@@ -252,7 +268,7 @@ class _Kept(threading.local):
     """Memory of a few contacts, one of each size: to lay it out takes as long as to solve them."""
 
     def __init__(self) -> None:
-        self.systems: dict[tuple[int, int, int], tuple[Group, IntArray, IntArray, Dense]] = {}
+        self.systems: dict[tuple[int, int, int], tuple[Group, IntArray, IntArray, Dense | None]] = {}
 
 
 _kept = _Kept()
@@ -265,18 +281,15 @@ def _laid_out(problem: Any, like: Vector) -> tuple[Group, IntArray, IntArray, No
     return group, np.empty((n, rows), dtype=np.int64), np.empty(m, dtype=np.int64), None
 
 
-def _is_dense(storage: Storage) -> bool:
-    return isinstance(storage, np.ndarray)
-
-
 def _operator(problem: Any, group: Group, row: IntArray, storage: Storage, dense: Dense | None) -> Operator:
     """The operator of a storage, in ``dense`` if that is given; writes the blocks of each unit with itself."""
     if storage is None:
         J = libs.sparse.csr_array(problem._data[3])
         compressed = J.indptr.astype(np.int64), J.indices.astype(np.int64), np.ascontiguousarray(J.data)
         named = dict(zip(("first", "place", "value"), compressed, strict=True))
-        group.own[:] = _own_of_factor(J, row)
-        return allocate(Factor, {"columns": J.shape[1]}, row=row, **named)
+        factor = allocate(Factor, {"columns": J.shape[1]}, row=row, **named)
+        own_of_rows(*compressed, row, factor.x, group.own)
+        return factor
     if not isinstance(storage, np.ndarray):
         group.own[:] = storage.own
         sizes = {"units": group.n, "rows": row.shape[1]}
@@ -291,15 +304,3 @@ def _operator(problem: Any, group: Group, row: IntArray, storage: Storage, dense
     dense.free[:] = problem._data[1]
     own_blocks(storage, row, group.own)
     return dense
-
-
-def _own_of_factor(J: Any, row: IntArray) -> FloatArray:
-    """The same of W = J J^T, J in compressed form."""
-    n, rows = row.shape
-    own = np.zeros((n, rows, rows))
-    for a in range(rows):
-        for b in range(a, rows):
-            both = np.flatnonzero((row[:, a] >= 0) & (row[:, b] >= 0))
-            entries = J[row[both, a]].multiply(J[row[both, b]]).sum(axis=1)
-            own[both, a, b] = own[both, b, a] = np.asarray(entries).ravel()
-    return own.reshape(n, -1)
