@@ -25,8 +25,8 @@ from lcpflex.solvers.contact.sweeping import Sweeping, sweep_on
 from lcpflex.solvers.contact.tracing import trace
 
 __all__ = [
-    "MANY_CONTACTS", "NONE", "POSED_CONTACTS", "ROOM", "SETTLED", "Attempt", "Attempts", "Search", "attempts_for",
-    "conclude", "find", "newton_from_best", "route_names", "search_for", "serve_lagging",
+    "MANY_CONTACTS", "NONE", "POSED_CONTACTS", "ROOM", "SETTLED", "USER_CONTACTS", "Attempt", "Attempts", "Search",
+    "attempts_for", "conclude", "find", "newton_from_best", "route_names", "search_for", "serve_lagging",
 ]  # fmt: skip
 
 ROOM = 100  # status: the memory of a factor is to grow first
@@ -117,6 +117,19 @@ MANY_CONTACTS = (
     Attempt(PATH, 150, eps=1e-3, each=100, ratio=0.3, rows=2),
 )
 """For steppers, in the velocities of bodies."""
+
+_HARD = tuple(
+    attempt
+    for eps in (1.0, 0.3, 0.1, 0.03, 0.01)
+    for attempt in (
+        Attempt(SWEEPS, 100),
+        Attempt(NEWTON, 400, eps=eps, exact=True),
+        Attempt(ALART_CURNIER, 40),
+    )
+)
+_AFRESH = [attempt.method for attempt in MANY_CONTACTS].index(AFRESH)
+USER_CONTACTS = MANY_CONTACTS[:_AFRESH] + _HARD + MANY_CONTACTS[_AFRESH:]
+"""For solvers of users, who have more time: softer laws, which are nearer to a solution before they are harder."""
 
 POSED_CONTACTS = (Attempt(ALART_CURNIER, 40), *MANY_CONTACTS[1:])
 """For steppers, of problems that are posed with their matrix and that sweeps have not solved."""

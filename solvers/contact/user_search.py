@@ -274,7 +274,7 @@ _kept = _Kept()
 
 @cache
 def _attempts(rows: int) -> strategy.Attempts:
-    return strategy.attempts_for(rows)
+    return strategy.attempts_for(rows, strategy.USER_CONTACTS)
 
 
 def _laid_out(op: Operator, group: Group, rows: int) -> Memory:

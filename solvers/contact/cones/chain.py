@@ -1,9 +1,9 @@
 """Contact in space by all that is known for it, one after the other: what :class:`lcpflex.solvers.Auto` does with it.
 
 Sweeps contact by contact, from the forces of the last problem; where a few of them do not do, the independent parts one
-by one, each by the attempts of :class:`AlartCurnier`, by convex programs, and by these attempts again from where the
-programs end. Each answer is judged; the best point is kept, and the route tells who gave it and who failed before.
-Faceted cones are rivals for :func:`lcpflex.solvers.cross_check` alone: of 26,000 problems none needed their start.
+by one, each by the attempts of :class:`AlartCurnier`. Each answer is judged; the best point is kept, and the route
+tells who gave it and who failed before. Convex programs and faceted cones are rivals for
+:func:`lcpflex.solvers.cross_check` alone: no problem is known that needs them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ import numpy as np
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.clock import expired, out_of_time
 from lcpflex.solvers.contact.block_gauss_seidel import BlockGaussSeidel
-from lcpflex.solvers.contact.cones.fixed_point import ConicFixedPoint
 from lcpflex.solvers.contact.cones.parts import part_of, solved_by_parts
 from lcpflex.solvers.contact.cones.several import contact_solutions
 from lcpflex.solvers.contact.cones.solver import AlartCurnier
@@ -29,7 +28,6 @@ from lcpflex.solvers.problem import Solution, Status, accept
 __all__ = ["solved_in_cones"]
 
 FEW = 100  # sweeps over the whole, and over each part
-CONVEX = 1200  # force components up to which convex programs are tried
 NEWTON = "Alart-Curnier Newton"
 DEFINITE = 1e-10  # of the largest: a block with less in some direction is not taken for definite
 LOOKED = 20  # contacts up to which those that nothing else acts on are asked for several solutions
@@ -108,14 +106,9 @@ def _descended(problem: SpatialContactProblem, first: Solution, tolerance: float
 
 
 def _steps(problem: SpatialContactProblem, tolerance: float) -> list[Step]:
-    """What can be tried, in order."""
+    """Newton's method from the best point so far, and once more: it begins from another one then."""
     newton = AlartCurnier(tolerance)
-    steps: list[Step] = [(NEWTON, lambda best: newton.solve(problem, best))]
-    if problem.size <= CONVEX:
-        programs = ConicFixedPoint(tolerance)
-        steps.append(("conic fixed point", lambda best: programs.solve(problem, best)))
-        steps.append((NEWTON, lambda best: newton.solve(problem, best)))
-    return steps
+    return 2 * [(NEWTON, lambda best: newton.solve(problem, best))]
 
 
 def _told_apart(problem: SpatialContactProblem, found: Solution, tolerance: float) -> Solution:
