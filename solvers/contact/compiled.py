@@ -11,6 +11,7 @@ from lcpflex.solvers.auto import TARGET, auto
 from lcpflex.solvers.balance import DEAD, contact_units, in_units, unknown_units
 from lcpflex.solvers.certificate import ROUNDING, guarded_residual, residual_parts, strict_residual, terms_residual
 from lcpflex.solvers.contact.index_sets import STICKING, reduce_columns, sliding_sign
+from lcpflex.solvers.contact.judging import FLOOR
 from lcpflex.solvers.contact.lcp_forms import assemble_friction_lcp
 from lcpflex.solvers.contact.memory import (
     BASIS_KNOWN,
@@ -34,7 +35,6 @@ __all__ = [
     "sticks",
 ]
 
-FLOOR = 1e-3  # of the terms of which free velocities are made: less of them is no measure of a residual
 RESCUED = 1e-8  # natural-map residual of a solution found elsewhere that is worth handing on
 
 

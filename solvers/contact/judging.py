@@ -19,9 +19,11 @@ from lcpflex.solvers.contact.laws import BILATERAL, miss
 from lcpflex.solvers.contact.operators import Operator, begin, terms, velocity
 
 __all__ = [
-    "SLIDING", "Judged", "is_enough", "is_exact", "is_good", "judge", "lags", "measure_loads", "term_size", "weigh",
+    "FLOOR", "SLIDING", "Judged", "is_enough", "is_exact", "is_good", "judge", "lags", "measure_loads", "term_size",
+    "weigh",
 ]  # fmt: skip
 
+FLOOR = 1e-3  # of the terms of which free velocities are made: less of them is no measure of a residual
 SLIDING = 1e-6  # of the free velocities: a contact that slips by more is no resting one
 
 

@@ -25,8 +25,9 @@ from lcpflex.solvers.contact.sweeping import Sweeping, sweep_on
 from lcpflex.solvers.contact.tracing import trace
 
 __all__ = [
-    "MANY_CONTACTS", "NONE", "POSED_CONTACTS", "ROOM", "SETTLED", "USER_CONTACTS", "Attempt", "Attempts", "Search",
-    "attempts_for", "conclude", "find", "newton_from_best", "route_names", "search_for", "serve_lagging",
+    "AFRESH", "ALART_CURNIER", "ALWAYS", "DEAR", "MANY_CONTACTS", "NEWTON", "NONE", "POSED_CONTACTS", "ROOM", "SETTLED",
+    "SWEEPS", "USER_CONTACTS", "Attempt", "Attempts", "Search", "attempts_for", "conclude", "find", "newton_from_best",
+    "route_names", "search_for", "serve_lagging",
 ]  # fmt: skip
 
 ROOM = 100  # status: the memory of a factor is to grow first

@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "contact_problem.md"
-TABLE = 'NAMES = (\n    "coulomb",\n    "half_line",\n    "bilateral",\n'
+TABLE = 'NAMES = (\n    "coulomb",\n    "half_line",\n    "bilateral",\n    "loaded",\n'
 ASKED = """
 import numpy as np
 from lcpflex.solvers.contact.laws import limited

@@ -32,6 +32,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import dot, row_vector
+from lcpflex.solvers.contact.cones.mixed import MixedMemory, mixed_memory
 from lcpflex.solvers.contact.cones.mixed_problem import MixedProblem, mixed_problem
 from lcpflex.solvers.contact.index_sets import SLIDE_FORTH, SMOOTH, STICKING
 
@@ -88,6 +89,7 @@ class SpatialContactSets:
     slack: FloatArray = array("rows")
     order: IntArray = array("rows")
     problem: MixedProblem
+    search: MixedMemory
     level: int
     n_stick: int
     referred: int  # 1: forces are those nearest to ``chosen``
@@ -98,7 +100,7 @@ def spatial_contact_sets(capacity: int, dense: int | None = None) -> SpatialCont
     """Memory for ``capacity`` contacts, islands of up to ``dense`` ones: all by default."""
     room = capacity if dense is None else dense
     sizes = {"contacts": capacity, "dense": room, "rows": 3 * room}
-    return allocate(SpatialContactSets, sizes, problem=mixed_problem(room))
+    return allocate(SpatialContactSets, sizes, problem=mixed_problem(room), search=mixed_memory(room))
 
 
 @kernel

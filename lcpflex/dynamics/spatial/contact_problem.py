@@ -13,8 +13,7 @@ from lcpflex.dynamics.joint_response import condense
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.solvers.balance import DEAD, contact_units
-from lcpflex.solvers.contact.cones.dense import FLOOR
-from lcpflex.solvers.contact.judging import measure_loads
+from lcpflex.solvers.contact.judging import FLOOR, measure_loads
 from lcpflex.solvers.contact.laws import COULOMB
 
 __all__ = [

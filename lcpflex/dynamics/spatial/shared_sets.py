@@ -11,8 +11,7 @@ from typing import Any
 
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import kernel, late_kernel
-from lcpflex.solvers.contact.cones.mixed import polish_mixed
-from lcpflex.solvers.contact.cones.mixed_problem import judge_mixed
+from lcpflex.solvers.contact.cones.mixed import judge_mixed, polish_mixed
 from lcpflex.solvers.contact.cones.shares import MATTERS, NEEDED, SLIPS, TOUCHING, Shares, at_edge, share_out
 from lcpflex.solvers.contact.index_sets import SLIDE_FORTH as SLIDING
 
@@ -176,7 +175,7 @@ def take_mixed(work: SpatialWork, sets: Any) -> float:
 def divide_mixed(work: SpatialWork, sets: Any, tolerance: float) -> float:
     """Divide the loads of ``sets.problem`` until shares and forces agree; the residual of what they come to."""
     s, p = work.impulses.solver.shares, sets.problem
-    residual = judge_mixed(p, p.r)
+    residual = judge_mixed(p, sets.search, p.r)
     for _ in range(TURNS):
         if not gather_mixed(work, sets):
             s.left = s.m
@@ -187,9 +186,9 @@ def divide_mixed(work: SpatialWork, sets: Any, tolerance: float) -> float:
             break
         if take_mixed(work, sets) == 0.0:
             break
-        residual = judge_mixed(p, p.r)
+        residual = judge_mixed(p, sets.search, p.r)
         if residual > tolerance:
-            residual = polish_mixed(p)
+            residual = polish_mixed(p, sets.search)
             if residual > tolerance:
                 break
     return residual
@@ -206,7 +205,7 @@ def share_mixed(work: SpatialWork, sets: Any, tolerance: float, residual: float)
         s.idle[c] = 0
     if p.n < NEEDED or work.posed.shifted == 1 or not residual <= tolerance:
         return residual
-    judge_mixed(p, p.r)
+    judge_mixed(p, sets.search, p.r)
     if not gather_mixed(work, sets):
         return residual
     for r in range(p.m):
@@ -215,7 +214,7 @@ def share_mixed(work: SpatialWork, sets: Any, tolerance: float, residual: float)
     if not found <= tolerance:
         for r in range(p.m):
             p.r[r] = before[r]
-        return judge_mixed(p, p.r)
+        return judge_mixed(p, sets.search, p.r)
     for e in range(s.n):
         s.idle[s.member[e]] = 1
     for i in range(s.left):

@@ -27,8 +27,7 @@ from lcpflex.dynamics.spatial.shared_sets import share_mixed
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import OPEN
 from lcpflex.solvers.contact.cones.ambiguity import several_forces
-from lcpflex.solvers.contact.cones.mixed import solve_mixed
-from lcpflex.solvers.contact.cones.mixed_problem import judge_mixed
+from lcpflex.solvers.contact.cones.mixed import judge_mixed, solve_mixed
 from lcpflex.solvers.contact.cones.reserve import LIMIT, UNIQUE, held_forces, most_reserve
 from lcpflex.solvers.contact.index_sets import SMOOTH, STICKING
 from lcpflex.steppers.event_driven.memory import CONE, PRESSURE, EventSettings, copy_entry
@@ -120,10 +119,10 @@ def prefer_rest(work: SpatialWork, sets: SpatialContactSets, tolerance: float) -
     for c in range(problem.n):
         problem.rests[c] = 1
         largest = max(largest, problem.r[c])
-    taken = held_forces(problem, largest) > LIMIT and judge_mixed(problem, problem.x) <= tolerance
+    taken = held_forces(problem, largest) > LIMIT and judge_mixed(problem, sets.search, problem.x) <= tolerance
     for r in range(problem.m):
         problem.r[r] = problem.x[r] if taken else sets.reference[r]
-    judge_mixed(problem, problem.r)  # what the problem tells is told of what is taken
+    judge_mixed(problem, sets.search, problem.r)  # what the problem tells is told of what is taken
     return taken
 
 
@@ -136,9 +135,9 @@ def solve_on_sets(
         return RunStatus.GROW
     lay_mixed(work, sets, i)
     problem, solver, counts = sets.problem, work.impulses.solver, recorder.counts
-    solver.residual = solve_mixed(problem, tolerance)
+    solver.residual = solve_mixed(problem, sets.search, tolerance)
     if work.posed.shifted == 0 and prefer_rest(work, sets, tolerance):
-        solver.residual = judge_mixed(problem, problem.r)
+        solver.residual = judge_mixed(problem, sets.search, problem.r)
     solver.residual = share_mixed(work, sets, tolerance, solver.residual)
     solver.strict = problem.strict
     solver.size = problem.m

@@ -37,6 +37,7 @@ from lcpflex.solvers.contact.algebra.vectors import (
     sparse_rows_on,
     taken,
     taken_at,
+    with_normal,
 )
 
 __all__ = [
@@ -68,4 +69,5 @@ __all__ = [
     "sparse_rows_on",
     "taken",
     "taken_at",
+    "with_normal",
 ]

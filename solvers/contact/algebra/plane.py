@@ -43,6 +43,12 @@ def along_normal(value: float, like: Vector) -> Vector:
     return value, 0.0
 
 
+@vectors.with_normal.of(2)
+@kernel(inline=True)
+def with_normal(value: float, a: Vector) -> Vector:
+    return value, a[1]
+
+
 @vectors.less.of(2)
 @kernel(inline=True)
 def less(a: Vector, b: Vector) -> Vector:

@@ -47,6 +47,12 @@ def along_normal(value: float, like: Vector) -> Vector:
     return value, 0.0, 0.0
 
 
+@vectors.with_normal.of(3)
+@kernel(inline=True)
+def with_normal(value: float, a: Vector) -> Vector:
+    return value, a[1], a[2]
+
+
 @vectors.less.of(3)
 @kernel(inline=True)
 def less(a: Vector, b: Vector) -> Vector:

@@ -28,6 +28,7 @@ __all__ = [
     "sparse_rows_on",
     "taken",
     "taken_at",
+    "with_normal",
 ]
 
 Vector: TypeAlias = tuple[float, ...]  # S numbers
@@ -61,6 +62,12 @@ def put_at(target: FloatArray, row: IntArray, k: int, value: Vector) -> None:
 @leaf
 def along_normal(value: float, like: Vector) -> Vector:
     """(value, 0, ...)."""
+    raise NotImplementedError
+
+
+@leaf
+def with_normal(value: float, a: Vector) -> Vector:
+    """The vector a with another first number."""
     raise NotImplementedError
 
 

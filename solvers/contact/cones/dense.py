@@ -14,16 +14,15 @@ from lcpflex.solvers.contact.cones.memory import (
     SpatialContactData,
     SpatialSolverMemory,
 )
-from lcpflex.solvers.contact.judging import is_good, lags, measure_loads, weigh
+from lcpflex.solvers.contact.judging import FLOOR, is_good, lags, measure_loads, weigh
 from lcpflex.solvers.contact.laws import COULOMB
 from lcpflex.solvers.contact.operators import dense_newton  # noqa: F401  what Newton's method asks of a dense W
 from lcpflex.solvers.contact.strategy import conclude, find, serve_lagging
 from lcpflex.solvers.contact.sweeping import sweep_on
 from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED
 
-__all__ = ["FIRST_SWEEPS", "FLOOR", "mend_posed", "newton_on", "solve_cones", "tell", "weigh_posed"]
+__all__ = ["FIRST_SWEEPS", "mend_posed", "newton_on", "solve_cones", "tell", "weigh_posed"]
 
-FLOOR = 1e-3  # of the terms of which free velocities are made: less of them is no measure of a residual
 FIRST_SWEEPS, SWEEPS = 200, 2000  # at most: before Newton's method, and behind it
 
 

@@ -7,10 +7,7 @@ its normal and, where it may stick, two more at ``at[c]`` in its tangent plane (
     r_T = proj(r_T - u_T) on the disc |r_T| <= mu r_N,
 
 so a contact that slides along d is one without tangents, its friction -mu r_N d being a part of its column.
-In units of each contact, d = 1 / sqrt(largest of its diagonal), r' = r / d and u' = d u, the residual is
-
-    F_N = r'_N - max(f', r'_N - u'_N),   F_T = r'_T - proj(r'_T - u'_T) on the disc of radius mu max(f', r'_N - u'_N)
-
+The unit of each contact is d = 1 / sqrt(largest of its diagonal): r' = r / d and u' = d u of all are alike.
 They are solved by :mod:`lcpflex.solvers.contact.cones.mixed`.
 """
 
@@ -22,17 +19,13 @@ import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
-from lcpflex.solvers.certificate import guarded_residual, strict_residual
 
-__all__ = ["MixedProblem", "fill_units", "judge_mixed", "mixed_problem", "own_pulls"]
-
-FLOOR = 1e-3  # of the terms of which q is made: less of them is no measure of a residual
-LOOK_BACK = 4  # residuals that a step may come up to again
+__all__ = ["MixedProblem", "fill_units", "mixed_problem", "own_pulls"]
 
 
 @struct
 class MixedProblem:
-    """A problem, its solution and what is needed on the way; rows: three times as many as contacts, and one."""
+    """A problem, its solution and room for :mod:`.reserve`; rows: three times as many as contacts, and one."""
 
     n: int  # contacts
     m: int  # unknowns
@@ -43,23 +36,20 @@ class MixedProblem:
     friction: FloatArray = array("contacts")
     floor: FloatArray = array("contacts")
     r: FloatArray = array("rows")
-    slip: FloatArray = array("contacts")
     unit: FloatArray = array("rows")
-    u: FloatArray = array("rows")  # in units of the contacts, as what follows
-    miss: FloatArray = array("rows")
+    u: FloatArray = array("rows")  # under the forces judged last
     x: FloatArray = array("rows")
     trial: FloatArray = array("rows")
     best: FloatArray = array("rows")
     centre: FloatArray = array("rows")
     step: FloatArray = array("rows")
     jacobian: FloatArray = array("rows", "rows")
-    back: FloatArray = array(LOOK_BACK)
+    pivots: IntArray = array("rows")
     rests: IntArray = array("contacts")  # 1: its forces may be changed, see :mod:`.reserve`
     member: IntArray = array("rows")
     basis: FloatArray = array("rows", "rows")
     most: float  # of all normal forces that may be changed together, over L
-    weight: float  # of the proximal term
-    strict: float
+    strict: float  # residual of the forces judged last, relative to the load
     iterations: int
 
 
@@ -81,45 +71,6 @@ def fill_units(p: MixedProblem) -> None:
         if t >= 0:
             p.unit[t] = unit
             p.unit[t + 1] = unit
-
-
-@kernel
-def judge_mixed(p: MixedProblem, r: FloatArray) -> float:
-    """Residual of r relative to the terms of u, guarded; relative to what is given alone it goes to ``p.strict``."""
-    size, load = 0.0, 0.0
-    for i in range(p.m):
-        total, terms = p.q[i], abs(p.q[i])
-        posed = max(abs(p.q[i]), FLOOR * p.terms[i])
-        for j in range(p.m):
-            if j < p.n:
-                posed += abs(p.W[i, j]) * p.floor[j]
-            total += p.W[i, j] * r[j]
-            terms += abs(p.W[i, j] * r[j])
-        p.u[i] = total
-        size = max(size, p.unit[i] * terms)
-        load = max(load, p.unit[i] * posed)
-        if not (terms < np.inf):
-            size = np.inf
-    worst = 0.0
-    for c in range(p.n):
-        t, d = p.at[c], p.unit[c]
-        a = r[c] / d
-        press = max(p.floor[c] / d, a - d * p.u[c])
-        worst = max(worst, abs(a - press))
-        if t >= 0:
-            a_1, a_2 = r[t] / d, r[t + 1] / d
-            y_1, y_2 = a_1 - d * p.u[t], a_2 - d * p.u[t + 1]
-            length, radius = math.hypot(y_1, y_2), p.friction[c] * press
-            if length <= radius:
-                worst = max(worst, d * max(abs(p.u[t]), abs(p.u[t + 1])))
-            else:
-                worst = max(worst, abs(a_1 - y_1 * (radius / length)))
-                worst = max(worst, abs(a_2 - y_2 * (radius / length)))
-    if not (worst < np.inf and size < np.inf):
-        p.strict = np.inf
-        return np.inf
-    p.strict = strict_residual(worst, load)
-    return guarded_residual(worst, size, load)
 
 
 def own_pulls(p: MixedProblem) -> FloatArray:

@@ -23,8 +23,8 @@ from __future__ import annotations
 import math
 
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.solvers.contact.cones.mixed import solve_linear
 from lcpflex.solvers.contact.cones.mixed_problem import MixedProblem
+from lcpflex.solvers.dense_factor import factorise_rows, solve_rows
 
 __all__ = ["LIMIT", "UNIQUE", "held_forces", "most_reserve"]
 
@@ -150,6 +150,15 @@ def pressed(p: MixedProblem, r: FloatArray) -> float:
 
 
 @kernel
+def solve_step(p: MixedProblem, m: int) -> bool:
+    """``step`` := H^-1 step, H the leading m rows of ``jacobian``, which are lost; False where H is singular."""
+    found = factorise_rows(p.jacobian, m, p.pivots)
+    if found:
+        solve_rows(p.jacobian, m, p.pivots, p.step, p.trial)
+    return found
+
+
+@kernel
 def shorten(p: MixedProblem, free: int) -> None:
     """The forces p.r without what they have of ``free`` null vectors, in units of the contacts."""
     B, H = p.basis, p.jacobian
@@ -164,7 +173,7 @@ def shorten(p: MixedProblem, free: int) -> None:
                 p.step[a] += B[r, a] * p.r[r] / square
                 for b in range(free):
                     H[a, b] += B[r, a] * B[r, b] / square
-    if solve_linear(H, free, p.step):
+    if solve_step(p, free):
         for r in range(p.m):
             for a in range(free):
                 p.r[r] -= B[r, a] * p.step[a]
@@ -279,7 +288,7 @@ def centre(p: MixedProblem, t: float, eps: float, free: int, size: float) -> flo
     """Newton's method for one eps from the coefficients ``p.centre`` and t; returns t."""
     for _ in range(STEPS):
         derivatives(p, t, eps, free)
-        if not solve_linear(p.jacobian, free + 1, p.step):
+        if not solve_step(p, free + 1):
             break
         square = 0.0
         for a in range(free + 1):

@@ -8,13 +8,11 @@ from __future__ import annotations
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.solvers.balance import DEAD, contact_units
 from lcpflex.solvers.contact.algebra import Vector
-from lcpflex.solvers.contact.judging import measure_loads
+from lcpflex.solvers.contact.judging import FLOOR, measure_loads
 from lcpflex.solvers.contact.large.memory import BodyContacts, LargeMemory
 from lcpflex.solvers.contact.laws import BILATERAL, COULOMB, HALF_LINE
 
 __all__ = ["pack", "unpack"]
-
-FLOOR = 1e-3  # of the terms of which free velocities are made: less of them is no measure of a residual
 
 
 @kernel

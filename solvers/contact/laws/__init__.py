@@ -10,7 +10,14 @@ A law is a module with six functions, in which v and p are the velocity and the 
     miss(group, k, p, v)          what is left of the law, in the unit of the contact; inf for what is not finite
     soft(eps)                     the eps that the law can bear
 
-To add one, write such a file and name it in NAMES: sweeps, Newton's method and the certificate take it from there.
+To add one, write such a file and name it in NAMES: sweeps, Newton's method and the certificate take it from there,
+and tests hold it to a contract: its functions agree with each other. What to know:
+
+- A state is any integer but those of :mod:`.states` that mean something else: a factor serves again only while no unit
+  has changed its state, so each piece of the answer needs one of its own. 0 is "without force".
+- Functions that most problems never come to are kernels, not inline ones: each is copied into all iterations.
+- Paths (:mod:`..tracing`) know of Coulomb's law, half lines and joints alone, and are not begun with others. The convex
+  start ends at points that are judged: with other laws it may be of no use, but does no harm.
 """
 
 from __future__ import annotations
@@ -25,12 +32,15 @@ from lcpflex.solvers.contact.algebra import Vector
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.laws import disc, interval  # noqa: F401  Coulomb's law in space and in the plane
 
-__all__ = ["BILATERAL", "COULOMB", "HALF_LINE", "answer", "derivative", "miss", "number_of", "room", "soft", "solve"]
+__all__ = [
+    "BILATERAL", "COULOMB", "HALF_LINE", "LOADED", "answer", "derivative", "miss", "number_of", "room", "soft", "solve",
+]  # fmt: skip
 
 NAMES = (
     "coulomb",
     "half_line",
     "bilateral",
+    "loaded",
 )
 LAWS: tuple[ModuleType, ...] = tuple(import_module(f"{__name__}.{name}") for name in NAMES)
 
@@ -40,7 +50,7 @@ def number_of(law: ModuleType) -> int:
     return LAWS.index(law)
 
 
-COULOMB, HALF_LINE, BILATERAL = map(NAMES.index, ("coulomb", "half_line", "bilateral"))
+COULOMB, HALF_LINE, BILATERAL, LOADED = map(NAMES.index, ("coulomb", "half_line", "bilateral", "loaded"))
 
 
 def _switch(name: str, given: str, chosen: str = "group.law[k]") -> Any:

@@ -22,7 +22,7 @@ def solve(group: Group, k: int, v: Vector, p: Vector) -> tuple[Vector, bool]:
     if own > 0.0:
         new = p[0] + max(group.floor[k] - p[0], -v[0] / own)
         return along_normal(new, p), True
-    return along_normal(group.floor[k], p), v[0] >= 0.0
+    return along_normal(group.floor[k], p), v[0] + own * (group.floor[k] - p[0]) >= 0.0
 
 
 @kernel(inline=True)

@@ -5,3 +5,4 @@ FORTH, BACK = 2, 3  # slides, in the plane with a friction force along the tange
 SLIDING = FORTH  # slides, in space
 EDGE_FORTH, EDGE_BACK = 4, 5  # on the edge of its cone, under the convex law
 EDGE = EDGE_FORTH  # the same in space
+LEAST = 6  # added to what it does along its tangents: its normal force is the least that it carries

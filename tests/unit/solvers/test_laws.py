@@ -14,6 +14,7 @@ from lcpflex.solvers.contact.laws import (
     COULOMB,
     HALF_LINE,
     LAWS,
+    LOADED,
     answer,
     derivative,
     miss,
@@ -40,7 +41,7 @@ def unit(law: ModuleType, rows: int, seed: int) -> tuple[Group, np.random.Genera
     W = J @ J.T
     W /= W.diagonal().max()
     group.law[0], group.mu[0], group.unit[0], group.own[0] = number_of(law), random.uniform(0.1, 1.5), 1.0, W.ravel()
-    group.floor[0] = random.choice([0.0, 0.3])
+    group.floor[0] = {HALF_LINE: random.choice([0.0, 0.3]), LOADED: 0.3}.get(number_of(law), 0.0)
     group.numbers[0] = random.choice([0.0, 0.1, 0.7], size=2)
     return group, random
 
@@ -80,7 +81,7 @@ def test_the_derivative_is_that_of_the_answer(law: ModuleType, rows: int, convex
             if one == other == state:
                 slope = 2.0 * (np.array(q) - np.array(r)) / 2e-6
                 assert C[0].reshape(rows, rows)[:, e] == pytest.approx(slope, abs=1e-6)
-    assert len(states) >= (3 if number_of(law) == COULOMB else 1)
+    assert len(states) >= {COULOMB: 3, LOADED: 4}.get(number_of(law), 1)
 
 
 @pytest.mark.parametrize(("law", "rows"), CASES, ids=name_of)
@@ -123,3 +124,30 @@ def test_no_law_is_softer_than_asked() -> None:
     for law in LAWS:
         assert soft(number_of(law), 1e-9) <= 1e-9
         assert soft(number_of(law), 0.1) <= 0.1
+
+
+@pytest.mark.parametrize("rows", [2, 3])
+def test_a_loaded_contact_rubs_under_what_it_carries(rows: int) -> None:
+    """Where it opens it still has the force f, and friction up to mu f; where it presses more, it is Coulomb's."""
+    group, _ = unit(LAWS[LOADED], rows, 0)
+    mu, f, still = float(group.mu[0]), float(group.floor[0]), (0.0,) * rows
+    group.own[0] = np.eye(rows).ravel()
+    opens, _ = solve(group, 0, (1.0, 5.0, *still[2:]), still)
+    assert opens == pytest.approx((f, -mu * f, *still[2:]), abs=1e-14)
+    sticks, _ = solve(group, 0, (1.0, 0.5 * mu * f, *still[2:]), still)
+    assert sticks == pytest.approx((f, -0.5 * mu * f, *still[2:]), abs=1e-14)
+    presses, _ = solve(group, 0, (-2.0, 5.0, *still[2:]), still)
+    assert presses == pytest.approx((2.0, -2.0 * mu, *still[2:]), abs=1e-14)
+
+
+@pytest.mark.parametrize("rows", [2, 3])
+@pytest.mark.parametrize("convex", [False, True])
+def test_under_the_least_force_nothing_changes_with_the_normal(rows: int, convex: bool) -> None:
+    """States of a contact that carries f are its own: a factor of one that presses more does not serve."""
+    group, _ = unit(LAWS[LOADED], rows, 0)
+    tangent = (0.1 * float(group.mu[0]), *(0.0,) * (rows - 2))
+    least, one = answer(group, 0, (-1.0, *tangent), convex)
+    more, other = answer(group, 0, (1.0, *tangent), convex)
+    assert least == pytest.approx((0.3, *tangent))
+    assert more == pytest.approx((1.0, *tangent))
+    assert one != other
