@@ -201,12 +201,12 @@ def test_problems_of_one_kind_are_looked_at_some_times(monkeypatch):
     monkeypatch.setattr("lcpflex.steppers.several_motions.Enumeration", Counted)
     several = SeveralMotions()
 
-    def row(free):
+    def work(free):
         values = [0.0, 1, 2, 0, 0.5, free, 0.1, 1.0, 0.4, 0.4, 1.0, -free, 0.0]  # t, n, m, law, mu, free, G, forces
-        return np.array(values)
+        return SimpleNamespace(impulses=SimpleNamespace(doubtful=[np.array(values)], n_doubtful=1))
 
     for _ in range(3 * LOOKS):
-        assert not several.remarks(SimpleNamespace(doubtful=[row(-1.0)], n_doubtful=1), str)
+        assert not several.remarks(work(-1.0), str)
     assert len(looks) == LOOKS
-    several.remarks(SimpleNamespace(doubtful=[row(1.0)], n_doubtful=1), str)
+    several.remarks(work(1.0), str)
     assert len(looks) == LOOKS + 1  # of another kind
