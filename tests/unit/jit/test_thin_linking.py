@@ -31,23 +31,6 @@ def calls(n):
 """
 
 
-INLINE = """
-import math
-from lcpflex.jit.kernel import kernel
-
-@kernel(inline=INLINE)
-def held(x):
-    total = 0.0
-    for i in range(7):
-        total += math.exp(math.sin(x * i)) / (1.0 + i)
-    return total
-
-@kernel
-def calls(x):
-    return held(x) + held(2.0 * x)
-"""
-
-
 PAIRS = """
 import math
 from lcpflex.jit.kernel import kernel
@@ -126,22 +109,6 @@ def test_a_literal_is_a_number_like_any_other(filled: Filled, tmp_path: Path) ->
     )
     assert [sorted(run["compiled"]) for run in runs] == 2 * [["calls", "share"]]
     assert runs[0]["value"] == runs[1]["value"] == (1.0 + 2.0 + 3.0 + 1.0).hex()
-
-
-def test_an_inline_kernel_is_copied_however_large_it_is(filled: Filled, tmp_path: Path) -> None:
-    """Its callers need no symbol of it; declared otherwise they call it, and their numbers are the same."""
-    needs, values = [], []
-    for inline in (False, True):
-        path = filled.sources / f"tiny_inline_{inline}.py"
-        path.write_text(INLINE.replace("INLINE", str(inline)))
-        before = f"from lcpflex.tiny_inline_{inline} import calls\n"
-        cache = tmp_path / str(inline)
-        runs, _ = jobs(filled.sources, case(cache, before=before, value="calls(0.3)"))
-        files = [KernelFile.unpacked(kept.read_bytes(), kept.stem) for kept in cache.iterdir()]
-        needs.append(sum(len(file.needs) for file in files if file is not None and file.entry))
-        values.append(runs[0]["value"])
-    assert needs == [1, 0]
-    assert values[0] == values[1]
 
 
 def test_what_python_packs_is_taken_apart_where_nothing_else_is_compiled(filled: Filled, tmp_path: Path) -> None:
