@@ -29,7 +29,7 @@ from lcpflex.solvers.contact.laws.states import LEAST
 __all__ = ["answer", "derivative", "miss", "room", "soft", "solve"]
 
 
-@kernel
+@kernel(inline=True)
 def solve(group: Group, k: int, v: Vector, p: Vector) -> tuple[Vector, bool]:
     """What Coulomb's law takes if that is more than f; else f, and the friction under it."""
     more, found = coulomb_solve(group, k, v, p)
@@ -48,7 +48,7 @@ def rubbed(group: Group, k: int, v: Vector, p: Vector) -> Vector:
 
 
 @rubbed.of(2)
-@kernel
+@kernel(inline=True)
 def rubbed_in_plane(group: Group, k: int, v: Vector, p: Vector) -> Vector:
     """A contact whose normal is apart from its tangent, W_NN = 1, pressed by so much."""
     d = group.own[k, 3]
@@ -57,7 +57,7 @@ def rubbed_in_plane(group: Group, k: int, v: Vector, p: Vector) -> Vector:
 
 
 @rubbed.of(3)
-@kernel
+@kernel(inline=True)
 def rubbed_in_space(group: Group, k: int, v: Vector, p: Vector) -> Vector:
     """The same; of a block that is not symmetric the symmetric part, as in :mod:`.disc`."""
     aa, ab, bb = group.own[k, 4], 0.5 * (group.own[k, 5] + group.own[k, 7]), group.own[k, 8]

@@ -117,17 +117,17 @@ def test_bristles_keep_their_direction_where_another_axis_takes_over() -> None:
     system = compiled.system()
     contacts = system.compliant([lf.ContactLaw(laws.PowerLaw(1e5), friction=laws.LuGre()).row()], 4)
     model, q, states = pack(compiled.model), compiled.q.copy(), np.zeros((2, 4))
-    contacts.table.body[0] = 0, 1
-    contacts.table.normal[0] = 0.0, 0.0, 1.0
+    contacts.rows.table.body[0] = 0, 1
+    contacts.rows.table.normal[0] = 0.0, 0.0, 1.0
     straighten(model, q, contacts, 0, states, 0)
     axis = int(states[0, AXIS])
     states[0, :2] = 3e-5, -4e-5
-    contacts.table.normal[0] = normal = turn.as_matrix()[:, axis] * 0.95 + turn.as_matrix()[:, 0] * math.sqrt(
+    contacts.rows.table.normal[0] = normal = turn.as_matrix()[:, axis] * 0.95 + turn.as_matrix()[:, 0] * math.sqrt(
         1 - 0.95**2
     )
 
     def bristle() -> Any:
-        e = np.array(direction(model, q, contacts.table, 0, int(states[0, AXIS])))
+        e = np.array(direction(model, q, contacts.rows.table, 0, int(states[0, AXIS])))
         assert e @ normal == pytest.approx(0.0, abs=1e-15)
         return states[0, 0] * e + states[0, 1] * np.cross(normal, e)
 
