@@ -36,12 +36,15 @@ from lcpflex.solvers.contact.algebra import Vector, own_size, taken
 from lcpflex.solvers.contact.group import Group
 
 __all__ = [
-    "Operator", "add_effect", "begin", "defect", "defect_of_forces", "factor_work", "factorise",
-    "factorise_moving", "has_forces", "moves_centre", "norm", "norm_of_forces", "norm_of_velocities",
-    "own_terms", "prepare", "product", "push", "solve", "sweep_work", "terms", "unknowns", "velocity",
+    "FACTOR_SWEEPS", "Operator", "add_effect", "begin", "components_of_forces", "defect", "defect_of_forces",
+    "factor_work", "factorise", "factorise_moving", "has_room", "keeps_centre", "moves_centre", "norm",
+    "norm_of_forces", "norm_of_velocities", "own_terms", "prepare", "product", "product_as_they_are", "push",
+    "solve", "sweep_work", "terms", "unknowns", "velocity",
 ]  # fmt: skip
 
 Operator: TypeAlias = Any  # a struct that has kernels for the leaves below
+
+FACTOR_SWEEPS = 20.0  # sweeps that a factor of scipy counts for: what it takes is known once it is made
 
 
 @leaf
@@ -149,6 +152,33 @@ def factor_work(op: Operator, group: Group) -> float:
 def sweep_work(op: Operator, group: Group) -> float:
     """Multiplications of a factor that take as long as a sweep."""
     raise NotImplementedError
+
+
+@kernel(inline=True)
+def components_of_forces(op: Operator, group: Group) -> int:
+    """How many unknowns there are where these are forces: all components of all of them."""
+    return int(group.n * group.p.shape[1])
+
+
+@kernel(inline=True)
+def keeps_centre(op: Operator) -> bool:
+    """No factors for a moving centre: scipy's are for one that stays, or the unknowns are velocities."""
+    return False
+
+
+@kernel(inline=True)
+def has_room(op: Operator, group: Group) -> bool:
+    """Ready from the start: there is room for a factor of all rows, or Python makes it."""
+    return True
+
+
+@kernel
+def product_as_they_are(op: Operator, group: Group, a: FloatArray, b: FloatArray, like: Vector) -> float:
+    """a.b: in velocities the matrix of the step is the identity, and a W without symmetry has no metric."""
+    total = 0.0
+    for i in range(unknowns(op, group)):
+        total += a[i] * b[i]
+    return total
 
 
 @kernel

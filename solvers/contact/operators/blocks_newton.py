@@ -11,18 +11,16 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.solvers.contact import operators
 from lcpflex.solvers.contact.algebra import Vector
 from lcpflex.solvers.contact.group import Group
+from lcpflex.solvers.contact.operators import FACTOR_SWEEPS, product_as_they_are
 from lcpflex.solvers.contact.operators.blocks import Blocks
 
 __all__: list[str] = []
 
-FACTOR_SWEEPS = 20.0  # sweeps that a factor counts for: what it takes is known once it is made
-
-
-@operators.unknowns.of(Blocks)
-@kernel(inline=True)
-def unknowns(op: Blocks, group: Group) -> int:
-    """All components of all forces."""
-    return int(group.n * group.p.shape[1])
+operators.unknowns.of(Blocks)(operators.components_of_forces)
+operators.norm.of(Blocks)(operators.norm_of_forces)
+operators.defect.of(Blocks)(operators.defect_of_forces)
+operators.moves_centre.of(Blocks)(operators.keeps_centre)
+operators.prepare.of(Blocks)(operators.has_room)
 
 
 @operators.add_effect.of(Blocks)
@@ -43,35 +41,15 @@ def add_effect(op: Blocks, group: Group, x: FloatArray, base: FloatArray, y: Flo
 @kernel
 def product(op: Blocks, group: Group, a: FloatArray, b: FloatArray, like: Vector) -> float:
     """a.W b; a.b where W is not symmetric."""
-    total, S = 0.0, len(like)
     if op.symmetric == 0:
-        for i in range(S * group.n):
-            total += a[i] * b[i]
-        return total
+        return product_as_they_are(op, group, a, b, like)
+    total, S = 0.0, len(like)
     for k in range(group.n):
         for e in range(op.first[k], op.first[k + 1]):
             for f in range(S):
                 for g in range(S):
                     total += a[S * k + f] * op.block[e, S * f + g] * b[S * op.other[e] + g]
     return total
-
-
-operators.norm.of(Blocks)(operators.norm_of_forces)
-operators.defect.of(Blocks)(operators.defect_of_forces)
-
-
-@operators.moves_centre.of(Blocks)
-@kernel(inline=True)
-def moves_centre(op: Blocks) -> bool:
-    """Factors of scipy are for a centre that stays."""
-    return False
-
-
-@operators.prepare.of(Blocks)
-@kernel(inline=True)
-def prepare(op: Blocks, group: Group) -> bool:
-    """Python makes room."""
-    return True
 
 
 @operators.factor_work.of(Blocks)

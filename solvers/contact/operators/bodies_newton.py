@@ -11,6 +11,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.solvers.contact import operators
 from lcpflex.solvers.contact.algebra import Vector, add_rows, put, rows_on, scaled, taken
 from lcpflex.solvers.contact.group import Group
+from lcpflex.solvers.contact.operators import product_as_they_are
 from lcpflex.solvers.contact.operators.bodies import Bodies
 from lcpflex.solvers.contact.operators.fronts import factorise, has_room, solve
 from lcpflex.solvers.contact.operators.ordering import make_pattern
@@ -19,19 +20,16 @@ __all__: list[str] = []
 
 UNIT_WORK = 900.0  # measured: multiplications of a factor that take as long as a sweep over one unit in space
 
+operators.moves_centre.of(Bodies)(operators.keeps_centre)
+operators.product.of(Bodies)(product_as_they_are)
+operators.norm.of(Bodies)(operators.norm_of_velocities)
+
 
 @operators.unknowns.of(Bodies)
 @kernel(inline=True)
 def unknowns(op: Bodies, group: Group) -> int:
     """Velocities of the bodies."""
     return op.n_unknowns
-
-
-@operators.moves_centre.of(Bodies)
-@kernel(inline=True)
-def moves_centre(op: Bodies) -> bool:
-    """Its unknowns are velocities."""
-    return False
 
 
 @operators.add_effect.of(Bodies)
@@ -47,19 +45,6 @@ def add_effect(op: Bodies, group: Group, x: FloatArray, base: FloatArray, y: Flo
         put(y, k, v)
 
 
-@operators.product.of(Bodies)
-@kernel
-def product(op: Bodies, group: Group, a: FloatArray, b: FloatArray, like: Vector) -> float:
-    """a.b, since the matrix of the step is the identity."""
-    total = 0.0
-    for i in range(op.n_unknowns):
-        total += a[i] * b[i]
-    return total
-
-
-operators.norm.of(Bodies)(operators.norm_of_velocities)
-
-
 @operators.defect.of(Bodies)
 @kernel
 def defect(op: Bodies, group: Group, x: FloatArray, change: FloatArray, rest: FloatArray, like: Vector) -> float:
@@ -72,7 +57,7 @@ def defect(op: Bodies, group: Group, x: FloatArray, change: FloatArray, rest: Fl
             b = op.body[k, side]
             if b >= 0:
                 add_rows(op.J, k, side, rest, op.pos[b], op.pos[b + 1] - op.pos[b], d)
-    return math.sqrt(product(op, group, rest, rest, like))
+    return math.sqrt(product_as_they_are(op, group, rest, rest, like))
 
 
 @operators.factorise.of(Bodies)

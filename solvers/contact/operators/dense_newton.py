@@ -9,6 +9,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.solvers.contact import operators
 from lcpflex.solvers.contact.algebra import Vector
 from lcpflex.solvers.contact.group import Group
+from lcpflex.solvers.contact.operators import product_as_they_are
 from lcpflex.solvers.contact.operators.dense import Dense
 from lcpflex.solvers.dense_factor import factorise_rows, solve_rows
 
@@ -16,6 +17,11 @@ __all__: list[str] = []
 
 REGULAR = 1e-8  # of the largest own diagonal: by less, null vectors of dependent contacts are mostly rounding
 LAW_WORK = 900.0  # measured: multiplications of a factor that take as long as the law of a unit in space
+
+operators.unknowns.of(Dense)(operators.components_of_forces)
+operators.norm.of(Dense)(operators.norm_of_forces)
+operators.defect.of(Dense)(operators.defect_of_forces)
+operators.prepare.of(Dense)(operators.has_room)
 
 
 @kernel
@@ -31,13 +37,6 @@ def apply(op: Dense, group: Group, x: FloatArray, like: Vector) -> None:
                 column = op.columns[r]
                 for i in range(op.m):
                     caused[i] += force * column[i]
-
-
-@operators.unknowns.of(Dense)
-@kernel(inline=True)
-def unknowns(op: Dense, group: Group) -> int:
-    """All components of all forces."""
-    return int(group.n * group.p.shape[1])
 
 
 @operators.moves_centre.of(Dense)
@@ -62,11 +61,9 @@ def add_effect(op: Dense, group: Group, x: FloatArray, base: FloatArray, y: Floa
 @kernel
 def product(op: Dense, group: Group, a: FloatArray, b: FloatArray, like: Vector) -> float:
     """a.W b; a.b where W is not symmetric."""
-    total, S = 0.0, len(like)
     if op.symmetric == 0:
-        for i in range(S * group.n):
-            total += a[i] * b[i]
-        return total
+        return product_as_they_are(op, group, a, b, like)
+    total, S = 0.0, len(like)
     apply(op, group, b, like)
     for k in range(group.n):
         for e in range(S):
@@ -74,10 +71,6 @@ def product(op: Dense, group: Group, a: FloatArray, b: FloatArray, like: Vector)
             if r >= 0:
                 total += a[S * k + e] * op.caused[r]
     return total
-
-
-operators.norm.of(Dense)(operators.norm_of_forces)
-operators.defect.of(Dense)(operators.defect_of_forces)
 
 
 @kernel
@@ -125,13 +118,6 @@ def factorise_moving(op: Dense, group: Group, C: FloatArray, like: Vector) -> bo
 def solve(op: Dense, group: Group, x: FloatArray) -> None:
     """By the factor made last."""
     solve_rows(op.table, group.n * group.p.shape[1], op.pivots, x, op.solution)
-
-
-@operators.prepare.of(Dense)
-@kernel(inline=True)
-def prepare(op: Dense, group: Group) -> bool:
-    """There is room for a factor of all rows."""
-    return True
 
 
 @operators.factor_work.of(Dense)

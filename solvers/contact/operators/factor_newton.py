@@ -13,11 +13,15 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.solvers.contact import operators
 from lcpflex.solvers.contact.algebra import Vector, add_sparse_rows, put, scaled, sparse_rows_on, taken
 from lcpflex.solvers.contact.group import Group
+from lcpflex.solvers.contact.operators import FACTOR_SWEEPS, product_as_they_are
 from lcpflex.solvers.contact.operators.factor import Factor
 
 __all__: list[str] = []
 
-FACTOR_SWEEPS = 20.0  # sweeps that a factor counts for: what it takes is known once it is made
+operators.product.of(Factor)(product_as_they_are)
+operators.norm.of(Factor)(operators.norm_of_velocities)
+operators.moves_centre.of(Factor)(operators.keeps_centre)
+operators.prepare.of(Factor)(operators.has_room)
 
 
 @operators.unknowns.of(Factor)
@@ -35,16 +39,6 @@ def add_effect(op: Factor, group: Group, x: FloatArray, base: FloatArray, y: Flo
         put(y, k, sparse_rows_on(op.row, k, op.first, op.place, op.value, x, taken(base, k, like)))
 
 
-@operators.product.of(Factor)
-@kernel
-def product(op: Factor, group: Group, a: FloatArray, b: FloatArray, like: Vector) -> float:
-    """a.b, since W = J J^T."""
-    total = 0.0
-    for i in range(len(op.x)):
-        total += a[i] * b[i]
-    return total
-
-
 @operators.defect.of(Factor)
 @kernel
 def defect(op: Factor, group: Group, x: FloatArray, change: FloatArray, rest: FloatArray, like: Vector) -> float:
@@ -53,24 +47,7 @@ def defect(op: Factor, group: Group, x: FloatArray, change: FloatArray, rest: Fl
         rest[i] = x[i]
     for k in range(group.n):
         add_sparse_rows(op.row, k, op.first, op.place, op.value, rest, scaled(-1.0, taken(change, k, like)))
-    return math.sqrt(product(op, group, rest, rest, like))
-
-
-operators.norm.of(Factor)(operators.norm_of_velocities)
-
-
-@operators.moves_centre.of(Factor)
-@kernel(inline=True)
-def moves_centre(op: Factor) -> bool:
-    """Factors of scipy are for a centre that stays."""
-    return False
-
-
-@operators.prepare.of(Factor)
-@kernel(inline=True)
-def prepare(op: Factor, group: Group) -> bool:
-    """Python makes room."""
-    return True
+    return math.sqrt(product_as_they_are(op, group, rest, rest, like))
 
 
 @operators.factor_work.of(Factor)
