@@ -26,8 +26,8 @@ from lcpflex.solvers.contact.tracing import trace
 
 __all__ = [
     "AFRESH", "ALART_CURNIER", "ALWAYS", "DEAR", "MANY_CONTACTS", "NEWTON", "NONE", "POSED_CONTACTS", "ROOM", "SETTLED",
-    "SWEEPS", "USER_CONTACTS", "Attempt", "Attempts", "Search", "attempts_for", "conclude", "find", "newton_from_best",
-    "route_names", "search_for", "serve_lagging",
+    "SWEEPS", "USER_CONTACTS", "Attempt", "Attempts", "Search", "attempts_for", "conclude", "find", "route_names",
+    "search_for", "serve_lagging",
 ]  # fmt: skip
 
 ROOM = 100  # status: the memory of a factor is to grow first
@@ -347,15 +347,6 @@ def conclude(op: Operator, group: Group, judged: Judged, best: Best, like: Vecto
     """The sizes of what the best point misses, its velocities made anew."""
     weigh(op, group, judged, best.p, like)
     best.worst = judged.worst
-
-
-@kernel
-def newton_from_best(
-    op: Operator, group: Group, judged: Judged, best: Best, work: NewtonWork, eps: float, count: int, like: Vector
-) -> None:
-    """Newton's method from the best point."""
-    copy_forces(group, best.p, group.p, like)
-    proximal_newton(op, group, judged, best, work, eps, count, like)
 
 
 @kernel

@@ -8,8 +8,8 @@ tells who gave it and who failed before. Convex programs and faceted cones are r
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -28,11 +28,9 @@ from lcpflex.solvers.problem import Solution, Status, accept
 __all__ = ["solved_in_cones"]
 
 FEW = 100  # sweeps over the whole, and over each part
-NEWTON = "Alart-Curnier Newton"
+NEWTON, TRIALS = "Alart-Curnier Newton", 2
 DEFINITE = 1e-10  # of the largest: a block with less in some direction is not taken for definite
 LOOKED = 20  # contacts up to which those that nothing else acts on are asked for several solutions
-
-Step = tuple[str, Callable[[Solution], Solution]]  # with its name in the route, from the best point so far
 
 
 def solved_in_cones(problem: SpatialContactProblem, guess: Solution | None, tolerance: float) -> Solution:
@@ -83,14 +81,14 @@ def _part(part: SpatialContactProblem, start: FloatArray, tolerance: float) -> S
 
 
 def _descended(problem: SpatialContactProblem, first: Solution, tolerance: float) -> Solution:
-    """One step after the other from the best point so far, until one solves the problem; else that point, and why."""
-    keys = problem.unknown_keys
-    best, tried = first, [first]
-    for name, step in _steps(problem, tolerance):
-        if best.solved or out_of_time():
-            break
-        start = replace(best, keys=keys)
-        found = guarded(name, problem, tolerance, lambda step=step, start=start: step(start))  # type: ignore[misc]
+    """Newton's method from the best point so far, until that solves the problem; else the best point, and why.
+
+    A second time, too: it begins from another point then.
+    """
+    newton, best, tried = AlartCurnier(tolerance), first, [first]
+    while len(tried) <= TRIALS and not best.solved and not out_of_time():
+        start = replace(best, keys=problem.unknown_keys)
+        found = guarded(NEWTON, problem, tolerance, partial(newton.solve, problem, start))
         tried.append(found)
         if found.residual < best.residual or found.solved:
             best = found
@@ -103,12 +101,6 @@ def _descended(problem: SpatialContactProblem, first: Solution, tolerance: float
     reasons = [f"{best.message or best.status.name.lower()}; nothing of {len(tried)} methods found a solution"]
     reasons += [found.message for found in tried if ENDED in found.message]
     return replace(told, message="; ".join(dict.fromkeys(reasons)))
-
-
-def _steps(problem: SpatialContactProblem, tolerance: float) -> list[Step]:
-    """Newton's method from the best point so far, and once more: it begins from another one then."""
-    newton = AlartCurnier(tolerance)
-    return 2 * [(NEWTON, lambda best: newton.solve(problem, best))]
 
 
 def _told_apart(problem: SpatialContactProblem, found: Solution, tolerance: float) -> Solution:

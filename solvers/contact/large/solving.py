@@ -6,7 +6,7 @@ import numpy as np
 
 from lcpflex.jit.kernel import kernel
 from lcpflex.solvers.contact.algebra import Vector
-from lcpflex.solvers.contact.best import forget_best, keep_best
+from lcpflex.solvers.contact.best import copy_forces, forget_best, keep_best
 from lcpflex.solvers.contact.judging import is_enough, is_good, judge, lags
 from lcpflex.solvers.contact.large.memory import BodyContacts, LargeMemory
 from lcpflex.solvers.contact.large.packing import pack, unpack
@@ -14,15 +14,8 @@ from lcpflex.solvers.contact.operators import (
     bodies_newton,  # noqa: F401  what Newton's method asks of rows by body
     prepare,
 )
-from lcpflex.solvers.contact.strategy import (
-    NONE,
-    ROOM,
-    SETTLED,
-    conclude,
-    find,
-    newton_from_best,
-    serve_lagging,
-)
+from lcpflex.solvers.contact.proximal_newton import proximal_newton
+from lcpflex.solvers.contact.strategy import NONE, ROOM, SETTLED, conclude, find, serve_lagging
 from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED
 
 __all__ = ["ROOM", "solve_large", "take_impulses"]
@@ -38,7 +31,8 @@ def settle(memory: LargeMemory, like: Vector) -> None:
     if judged.sliding == 0 and prepare(op, group) and op.factor.work <= CHEAP:
         tolerance, floor = judged.tolerance, work.floor
         judged.tolerance, work.floor = SETTLED, SETTLING_EPS  # which stays: one factor serves
-        newton_from_best(op, group, judged, best, work, SETTLING_EPS, MORE, like)
+        copy_forces(group, best.p, group.p, like)
+        proximal_newton(op, group, judged, best, work, SETTLING_EPS, MORE, like)
         judged.tolerance, work.floor = tolerance, floor
         conclude(op, group, judged, best, like)
 
