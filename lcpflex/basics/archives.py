@@ -13,7 +13,7 @@ __all__ = ["PADDING", "check_hdf5", "load_arrays", "pad_hdf5", "save_arrays"]
 
 FREE = 2**28  # bytes that any file may unpack to: 268 MB
 RATIO = 200  # beyond them, how much larger than the file they may be; results of runs have 2 to 30
-SMALL = 1024  # bytes of a data set that HDF5 may fill without storing them
+SMALL = 1024  # bytes beyond those that deflate can make of what is stored of a data set
 DENSEST = 1100  # bytes that deflate can make of one
 PADDING = "padding"  # an entry of nothing, with which results of long rests and other such arrays are as large as that
 ZIP = (b"PK\x03\x04", b"PK\x05\x06")  # how an archive begins, the second one if it is empty
@@ -92,16 +92,23 @@ def pad_hdf5(file: Any, size: int) -> None:
 
 
 def _unpacked(file: Any) -> int:
-    """Bytes of all data sets; ValueError for one that is larger than what is stored of it can be."""
+    """Bytes of all data sets; ValueError for one that is larger than what is stored of it can be.
+
+    One of which nothing was ever stored reads as its fill value, and may take as much as any file.
+    """
     total = 0
 
     def look(name: str, found: Any) -> None:
         nonlocal total
         if not hasattr(found, "dtype"):
             return
-        claimed = int(found.size or 0) * found.dtype.itemsize
-        if claimed > SMALL + DENSEST * found.id.get_storage_size():
-            raise ValueError(f"{name[-60:]} claims more numbers than the file holds")
+        claimed, stored = int(found.size or 0) * found.dtype.itemsize, found.id.get_storage_size()
+        most = SMALL + DENSEST * stored if stored or found.is_virtual else FREE
+        if claimed > most:
+            raise ValueError(
+                f"{name[-60:]} claims more numbers than the file holds: the shape {str(found.shape)[:60]}, "
+                f"{_bytes(claimed)}, of which {_bytes(stored)} are stored; expected at most {_bytes(most)}"
+            )
         total += claimed
 
     file.visititems(look)

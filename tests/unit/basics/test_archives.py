@@ -175,6 +175,17 @@ class TestOwnFiles:
             with pytest.raises(ModelError, match=rf"{name}.*would take 8\.39 MB when it is unpacked"):
                 reader(tmp_path / name)
 
+    @pytest.mark.parametrize("written", [0, 1])
+    def test_hdf5_of_which_little_or_nothing_is_stored(self, tmp_path: Path, written: int) -> None:
+        """HDF5 fills what was never written, and would fill any amount: not beyond what any file may take."""
+        h5py = pytest.importorskip("h5py")
+        with h5py.File(tmp_path / "x.hdf5", "w") as file:
+            claims = file.create_dataset("fclib_local/q", (10**12,), dtype=float, chunks=(10,))
+            claims[:written] = 1.0
+        words = rf"x\.hdf5.*fclib_local/q claims .*\(1000000000000,\), 8e\+03 GB, of which {8e-5 * written:.3g} MB"
+        with pytest.raises(ModelError, match=words):
+            load_fclib(tmp_path / "x.hdf5")
+
 
 def test_checkpoints_are_read_as_before(tmp_path: Path) -> None:
     scene = lf.Scene()

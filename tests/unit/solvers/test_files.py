@@ -312,6 +312,21 @@ class TestFclib:
             load_fclib(path)
         assert "x.hdf5" in str(refusal.value)
 
+    def test_a_solution_that_was_never_written(self, tmp_path):
+        """As in most files of the collection: the data set is there, without storage; HDF5 reads its fill value."""
+        W, q, mu = scipy.sparse.block_diag([np.diag([2.0, 1.0, 1.0])] * 200), np.zeros(600), np.ones(200)
+        path = self._write(tmp_path / "x.hdf5", W, q, mu, 3, "columns")
+        before = load_fclib(path)
+        with libs.h5py.File(path, "a") as file:
+            for key in ("solution/r", "solution/u", "guesses/1/v"):
+                file.create_dataset(f"fclib_local/{key}", (600,), dtype=float)
+                assert file[f"fclib_local/{key}"].id.get_storage_size() == 0
+            del file["fclib_local/vectors/q"]
+            file.create_dataset("fclib_local/vectors/q", (600,), dtype=float, fillvalue=-1.5)
+        problem = load_fclib(path)
+        np.testing.assert_array_equal(problem.dense(), before.dense())
+        np.testing.assert_array_equal(problem.free, np.full(600, -1.5))
+
     def test_other_files(self, tmp_path):
         with libs.h5py.File(tmp_path / "global.hdf5", "w") as file:
             file["fclib_global/spacedim"] = 2
