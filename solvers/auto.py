@@ -143,11 +143,12 @@ class Auto:
         """
         check_guess(guess)
         if isinstance(problem, ContactProblem):
-            return self._contact(problem, guess, trials)
+            return _to_last_digits(problem, self._contact(problem, guess, trials), self.tolerance)
         if has_cones(problem):
             from lcpflex.solvers.contact.cones.chain import solved_in_cones  # the plane needs none of it
 
-            return solved_in_cones(problem, guess, self.tolerance)  # type: ignore[arg-type]
+            found = solved_in_cones(problem, guess, self.tolerance)  # type: ignore[arg-type]
+            return _to_last_digits(problem, found, self.tolerance)
         if not isinstance(problem, Lcp):
             return posed(problem).solve_by(self, guess)
         first = self._first(problem, guess)
@@ -303,6 +304,14 @@ class Auto:
     def _infeasible(self, problem: Lcp) -> Solution:
         u = candidate(*problem._data)
         return accept(problem, np.zeros(problem.size), tolerance=self.tolerance, route=PROGRAM, certificate=u)
+
+
+def _to_last_digits(problem: Lcp | PosedProblem, found: Solution, tolerance: float) -> Solution:
+    if not (found.solved and found.strict > tolerance):
+        return found
+    from lcpflex.solvers.contact.last_digits import with_last_digits  # which the steps of a run do not need
+
+    return with_last_digits(problem, found, tolerance)
 
 
 def _swept(problem: ContactProblem, guess: Solution | None, tolerance: float) -> Solution:

@@ -25,9 +25,9 @@ from lcpflex.solvers.contact.sweeping import Sweeping, sweep_on
 from lcpflex.solvers.contact.tracing import trace
 
 __all__ = [
-    "AFRESH", "ALART_CURNIER", "ALWAYS", "DEAR", "MANY_CONTACTS", "NEWTON", "NONE", "POSED_CONTACTS", "ROOM", "SETTLED",
-    "SWEEPS", "USER_CONTACTS", "Attempt", "Attempts", "Search", "attempts_for", "conclude", "find", "route_names",
-    "search_for", "serve_lagging",
+    "AFRESH", "ALART_CURNIER", "ALWAYS", "DEAR", "LAST_DIGITS", "MANY_CONTACTS", "NEWTON", "NONE", "POSED_CONTACTS",
+    "ROOM", "SETTLED", "SWEEPS", "USER_CONTACTS", "Attempt", "Attempts", "Search", "attempts_for", "conclude", "find",
+    "route_names", "search_for", "serve_lagging",
 ]  # fmt: skip
 
 ROOM = 100  # status: the memory of a factor is to grow first
@@ -131,6 +131,9 @@ _HARD = tuple(
 _AFRESH = [attempt.method for attempt in MANY_CONTACTS].index(AFRESH)
 USER_CONTACTS = MANY_CONTACTS[:_AFRESH] + _HARD + MANY_CONTACTS[_AFRESH:]
 """For solvers of users, who have more time: softer laws, which are nearer to a solution before they are harder."""
+
+LAST_DIGITS = (Attempt(ALART_CURNIER, 20), *_HARD)
+"""From a point within the tolerance by its terms, to one that is so by the velocities."""
 
 POSED_CONTACTS = (Attempt(ALART_CURNIER, 40), *MANY_CONTACTS[1:])
 """For steppers, of problems that are posed with their matrix and that sweeps have not solved."""

@@ -1,0 +1,60 @@
+"""Solved contacts are taken to the last digits of their velocities, which may be small beside what cancels in them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lcpflex.solvers import Auto, ContactProblem, SpatialContactProblem, Status
+from lcpflex.solvers.contact.last_digits import with_last_digits
+from lcpflex.solvers.problem import accept
+from tests.property.random_contacts import draw
+from tests.property.solver_campaign import answered
+
+
+def leaning(rows: int) -> ContactProblem | SpatialContactProblem:
+    """Two mass points on a floor and on each other, mu = .5: 100 kg at rest below, 1 kg at -1 m/s above."""
+    normal = np.array([[0.0, 0.1], [1.0, -0.1]])
+    if rows == 2:
+        J = np.zeros((4, 4))
+        J[:2, :2] = J[2:, 2:] = normal
+        return ContactProblem(J @ J.T, [0.0, -1.0, 0.0, 0.2], [0.5, 0.5])
+    J = np.zeros((6, 6))
+    for a in range(3):
+        J[a::3, 2 * a : 2 * a + 2] = normal
+    return SpatialContactProblem(J @ J.T, [0.0, 0.0, 0.0, -1.0, 0.2, 0.0], [0.5, 0.5])
+
+
+@pytest.mark.parametrize("rows", [2, 3])
+def test_a_point_beside_the_solution_is_taken_to_it(rows: int) -> None:
+    """By as many sweeps as there were; the point itself is one by a tolerance that is not the velocities'."""
+    problem = leaning(rows)
+    right = Auto().solve(problem)
+    near = accept(problem, right.z * (1.0 + 1e-7), tolerance=1e-3, iterations=300, route="by hand")
+    assert near.solved
+    found = with_last_digits(problem, near, 1e-8)
+    assert found.strict <= 1e-8 < near.strict
+    assert found.z == pytest.approx(right.z, abs=1e-7)
+    assert found.route == "by hand > more sweeps"
+    assert found.iterations > near.iterations
+
+
+@pytest.mark.parametrize("rows", [2, 3])
+def test_what_is_right_or_no_solution_or_one_of_several_stays(rows: int) -> None:
+    problem = leaning(rows)
+    right = Auto().solve(problem)
+    none = accept(problem, np.zeros(problem.size), tolerance=1e-10)
+    several = replace(right, status=Status.NOT_UNIQUE, strict=1.0)
+    for found in (right, none, several):
+        assert with_last_digits(problem, found, 1e-10) is found
+
+
+@pytest.mark.parametrize("way", ["delassus", "factor"])
+@pytest.mark.parametrize(("dimension", "seed"), [(2, 112), (2, 280), (3, 9), (3, 209)])
+def test_relative_to_the_load(dimension: int, seed: int, way: str) -> None:
+    """Sweeps ended at 2e-10 to 9e-10 of the free velocities: the judge knows no terms."""
+    one = answered(draw(dimension, seed), way)
+    assert one.solved
+    assert one.miss <= 1e-11
