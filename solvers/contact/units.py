@@ -18,7 +18,6 @@ from lcpflex.solvers.contact.best import Best, copy_forces
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.judging import Judged, is_good, measure_loads, weigh
 from lcpflex.solvers.contact.laws import LAWS, number_of
-from lcpflex.solvers.contact.operators import dense_newton  # noqa: F401  what Newton's method asks of a dense W
 from lcpflex.solvers.contact.operators.dense import Dense
 from lcpflex.solvers.contact.proximal_newton import NewtonWork
 from lcpflex.solvers.contact.strategy import attempts_for, find, route_names, search_for

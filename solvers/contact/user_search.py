@@ -24,17 +24,9 @@ from lcpflex.solvers.contact.algebra import PLANAR, Vector
 from lcpflex.solvers.contact.best import Best, copy_forces, forget_best
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.judging import Judged, measure_loads
-from lcpflex.solvers.contact.operators import (
-    Operator,
-    blocks_newton,  # noqa: F401  what Newton's method asks of each operator
-    dense_newton,  # noqa: F401
-    factor_newton,  # noqa: F401
-    product,
-    unknowns,
-)
+from lcpflex.solvers.contact.operators import Operator, product, unknowns
 from lcpflex.solvers.contact.operators.blocks import Blocks
-from lcpflex.solvers.contact.operators.dense import Dense
-from lcpflex.solvers.contact.operators.dense_newton import REGULAR
+from lcpflex.solvers.contact.operators.dense import REGULAR, Dense
 from lcpflex.solvers.contact.system import FEW, SIZES, ContactSystem
 
 __all__ = ["UserSearch", "split_ranks"]

@@ -16,7 +16,6 @@ from lcpflex.solvers.contact.cones.memory import (
 )
 from lcpflex.solvers.contact.judging import FLOOR, is_good, lags, measure_loads, weigh
 from lcpflex.solvers.contact.laws import COULOMB
-from lcpflex.solvers.contact.operators import dense_newton  # noqa: F401  what Newton's method asks of a dense W
 from lcpflex.solvers.contact.strategy import conclude, find, serve_lagging
 from lcpflex.solvers.contact.sweeping import sweep_on
 from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED

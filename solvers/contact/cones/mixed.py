@@ -17,10 +17,7 @@ from lcpflex.solvers.contact.cones.mixed_problem import MixedProblem, fill_units
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.judging import FLOOR, Judged, judge, measure_loads, weigh
 from lcpflex.solvers.contact.laws import COULOMB, HALF_LINE, LOADED
-from lcpflex.solvers.contact.operators import (
-    begin,
-    dense_newton,  # noqa: F401  what Newton's method asks of one matrix
-)
+from lcpflex.solvers.contact.operators import begin
 from lcpflex.solvers.contact.operators.dense import Dense
 from lcpflex.solvers.contact.proximal_newton import NewtonWork
 from lcpflex.solvers.contact.strategy import (

@@ -10,10 +10,7 @@ from lcpflex.solvers.contact.best import copy_forces, forget_best, keep_best
 from lcpflex.solvers.contact.judging import is_enough, is_good, judge, lags
 from lcpflex.solvers.contact.large.memory import BodyContacts, LargeMemory
 from lcpflex.solvers.contact.large.packing import pack, unpack
-from lcpflex.solvers.contact.operators import (
-    bodies_newton,  # noqa: F401  what Newton's method asks of rows by body
-    prepare,
-)
+from lcpflex.solvers.contact.operators import prepare
 from lcpflex.solvers.contact.proximal_newton import proximal_newton
 from lcpflex.solvers.contact.strategy import NONE, ROOM, SETTLED, conclude, find, serve_lagging
 from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED

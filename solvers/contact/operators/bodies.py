@@ -1,33 +1,27 @@
 """W = J J^T by the rows of the two bodies of each unit, in coordinates in which the matrix of a step is the identity.
 
-x = J^T p are the changes of the velocities of the bodies: a unit costs as much as its bodies have coordinates, and
-memory is linear in the units.
+x = J^T p are the changes of the velocities of the bodies, Newton's unknowns too: a unit costs as much as its bodies
+have coordinates, and memory is linear in the units.
+
+    (I + J^T C J) dx = -F,   F = x - J^T (q - c),   measured by its length
 """
 
 from __future__ import annotations
 
-from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.jit.struct import array, struct
+import math
+
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.solvers.contact import operators
-from lcpflex.solvers.contact.algebra import Vector, add_rows, rows_on, taken
+from lcpflex.solvers.contact.algebra import Vector, add_rows, put, rows_on, scaled, taken
 from lcpflex.solvers.contact.group import Group
-from lcpflex.solvers.contact.operators import own_terms
-from lcpflex.solvers.contact.operators.sparse_factor import SparseFactor
+from lcpflex.solvers.contact.operators import own_terms, product_as_they_are
+from lcpflex.solvers.contact.operators.fronts import factorise, has_room, solve
+from lcpflex.solvers.contact.operators.ordering import make_pattern
+from lcpflex.solvers.contact.operators.sparse_factor import Bodies
 
 __all__ = ["Bodies"]
 
-
-@struct
-class Bodies:
-    """Rows by body."""
-
-    n_bodies: int
-    n_unknowns: int
-    pos: IntArray = array("offsets")  # first unknown of each body
-    body: IntArray = array("units", 2)  # -1: none, or one that nothing moves
-    J: FloatArray = array("units", 2, "rows", "width")
-    x: FloatArray = array("unknowns")
-    factor: SparseFactor  # of Newton's method
+UNIT_WORK = 900.0  # measured: multiplications of a factor that take as long as a sweep over one unit in space
 
 
 @operators.begin.of(Bodies)
@@ -67,3 +61,85 @@ def push(op: Bodies, group: Group, k: int, d: Vector) -> None:
 def terms(op: Bodies, group: Group, k: int, p: FloatArray, v: Vector) -> tuple[float, float]:
     """Of its own force, and of all others together."""
     return own_terms(group, k, p, v)
+
+
+operators.moves_centre.of(Bodies)(operators.keeps_centre)
+operators.product.of(Bodies)(product_as_they_are)
+operators.norm.of(Bodies)(operators.norm_of_velocities)
+
+
+@operators.unknowns.of(Bodies)
+@kernel(inline=True)
+def unknowns(op: Bodies, group: Group) -> int:
+    """Velocities of the bodies."""
+    return op.n_unknowns
+
+
+@operators.add_effect.of(Bodies)
+@kernel
+def add_effect(op: Bodies, group: Group, x: FloatArray, base: FloatArray, y: FloatArray, like: Vector) -> None:
+    """y = base + J x."""
+    for k in range(group.n):
+        v = taken(base, k, like)
+        for side in range(2):
+            b = op.body[k, side]
+            if b >= 0:
+                v = rows_on(op.J, k, side, x, op.pos[b], op.pos[b + 1] - op.pos[b], v)
+        put(y, k, v)
+
+
+@operators.defect.of(Bodies)
+@kernel
+def defect(op: Bodies, group: Group, x: FloatArray, change: FloatArray, rest: FloatArray, like: Vector) -> float:
+    """F = x - J^T change."""
+    for i in range(op.n_unknowns):
+        rest[i] = x[i]
+    for k in range(group.n):
+        d = scaled(-1.0, taken(change, k, like))
+        for side in range(2):
+            b = op.body[k, side]
+            if b >= 0:
+                add_rows(op.J, k, side, rest, op.pos[b], op.pos[b + 1] - op.pos[b], d)
+    return math.sqrt(product_as_they_are(op, group, rest, rest, like))
+
+
+@operators.factorise.of(Bodies)
+@kernel
+def factorise_bodies(op: Bodies, group: Group, C: FloatArray, like: Vector) -> bool:
+    """By fronts, in the pattern of ``op.factor``."""
+    return factorise(op, C, op.factor, like)
+
+
+@operators.factorise_moving.of(Bodies)
+@kernel(inline=True)
+def factorise_moving(op: Bodies, group: Group, C: FloatArray, like: Vector) -> bool:
+    """Forces are not the unknowns."""
+    return False
+
+
+@operators.solve.of(Bodies)
+@kernel
+def solve_bodies(op: Bodies, group: Group, x: FloatArray) -> None:
+    """By the factor made last."""
+    solve(op, op.factor, x)
+
+
+@operators.prepare.of(Bodies)
+@kernel
+def prepare(op: Bodies, group: Group) -> bool:
+    """The pattern of the factor, which is kept while it serves."""
+    return make_pattern(op, group, op.factor) and has_room(op.factor)
+
+
+@operators.factor_work.of(Bodies)
+@kernel
+def factor_work(op: Bodies, group: Group) -> float:
+    """As the pattern tells."""
+    return op.factor.work
+
+
+@operators.sweep_work.of(Bodies)
+@kernel
+def sweep_work(op: Bodies, group: Group) -> float:
+    """Linear in the units."""
+    return UNIT_WORK * max(group.n, 1)

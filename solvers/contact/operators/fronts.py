@@ -8,10 +8,9 @@ beyond it. Source: Duff & Reid 1984 (unsymmetric sets of linear equations).
 from __future__ import annotations
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.jit.leaf import leaf
 from lcpflex.solvers.contact.algebra import Vector
-from lcpflex.solvers.contact.operators.bodies import Bodies
-from lcpflex.solvers.contact.operators.sparse_factor import SparseFactor
+from lcpflex.solvers.contact.operators.sparse_factor import Bodies, SparseFactor
+from lcpflex.solvers.contact.unrolled import unrolled
 from lcpflex.solvers.semidefinite import dot
 
 __all__ = ["factorise", "has_room", "lacks_room", "solve"]
@@ -96,59 +95,27 @@ def begin_front(factor: SparseFactor, s: int) -> None:
         end += size[pool[e]]
 
 
-@leaf
+@unrolled
 def add_unit(op: Bodies, C: FloatArray, factor: SparseFactor, k: int, width: int, like: Vector) -> None:
     """J_k^T C_k J_k to the front."""
-    raise NotImplementedError
-
-
-@add_unit.of(2)
-@kernel
-def add_two_rows(op: Bodies, C: FloatArray, factor: SparseFactor, k: int, width: int, like: Vector) -> None:
-    """A unit in the plane."""
     front, body, size, offset, J = factor.front, op.body, factor.size, factor.offset, op.J
-    nn, nt, tn, tt = C[k, 0], C[k, 1], C[k, 2], C[k, 3]
-    if nn == 0.0 and tt == 0.0:
+    if sum(abs(C[k, (len(like) + 1) * e]) for e in range(len(like))) == 0.0:
         return
     for g in range(2):
         a = body[k, g]
         if a < 0:
             continue
         for i in range(size[a]):
-            n, t = J[k, g, 0, i], J[k, g, 1, i]
-            left, right = n * nn + t * tn, n * nt + t * tt
+            left = tuple(
+                sum(J[k, g, e, i] * C[k, len(like) * e + f] for e in range(len(like))) for f in range(len(like))
+            )
             row = (offset[a] + i) * width
             for h in range(2):
                 b = body[k, h]
                 if b >= 0:
                     column = row + offset[b]
                     for j in range(size[b]):
-                        front[column + j] += left * J[k, h, 0, j] + right * J[k, h, 1, j]
-
-
-@add_unit.of(3)
-@kernel
-def add_three_rows(op: Bodies, C: FloatArray, factor: SparseFactor, k: int, width: int, like: Vector) -> None:
-    """A unit in space."""
-    front, body, size, offset, J = factor.front, op.body, factor.size, factor.offset, op.J
-    if C[k, 0] == 0.0:
-        return
-    for g in range(2):
-        a = body[k, g]
-        if a < 0:
-            continue
-        for i in range(size[a]):
-            n, t, s = J[k, g, 0, i], J[k, g, 1, i], J[k, g, 2, i]
-            left = n * C[k, 0] + t * C[k, 3] + s * C[k, 6]
-            middle = n * C[k, 1] + t * C[k, 4] + s * C[k, 7]
-            right = n * C[k, 2] + t * C[k, 5] + s * C[k, 8]
-            row = (offset[a] + i) * width
-            for h in range(2):
-                b = body[k, h]
-                if b >= 0:
-                    column = row + offset[b]
-                    for j in range(size[b]):
-                        front[column + j] += left * J[k, h, 0, j] + middle * J[k, h, 1, j] + right * J[k, h, 2, j]
+                        front[column + j] += sum(left[f] * J[k, h, f, j] for f in range(len(like)))
 
 
 @kernel

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from lcpflex.jit.kernel import IntArray, kernel
 from lcpflex.solvers.contact.group import Group
-from lcpflex.solvers.contact.operators.bodies import Bodies
-from lcpflex.solvers.contact.operators.sparse_factor import SparseFactor
+from lcpflex.solvers.contact.operators.sparse_factor import Bodies, SparseFactor
 
 __all__ = ["make_pattern"]
 

@@ -1,4 +1,4 @@
-"""Memory of a sparse factor of I + J^T C J over bodies: its pattern, kept while it serves, and its numbers.
+"""Rows by body, and memory of a sparse factor of I + J^T C J over them: its pattern, kept while it serves, and numbers.
 
 The order of elimination is that of :mod:`.ordering`, the factor itself of :mod:`.fronts`.
 """
@@ -10,7 +10,7 @@ import numpy as np
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import allocate, array, put_array, struct
 
-__all__ = ["STARTING", "SparseFactor", "factor_room", "sparse_factor", "widen"]
+__all__ = ["STARTING", "Bodies", "SparseFactor", "factor_room", "sparse_factor", "widen"]
 
 STARTING = {"pool": 8, "values": 200, "front": 400, "stack": 400}  # numbers a body to begin with
 
@@ -66,6 +66,19 @@ class SparseFactor:
     front: FloatArray = array("front")
     stack: FloatArray = array("stack")
     gathered: FloatArray = array("unknowns")
+
+
+@struct
+class Bodies:
+    """Rows by body: the operator of :mod:`.bodies`."""
+
+    n_bodies: int
+    n_unknowns: int
+    pos: IntArray = array("offsets")  # first unknown of each body
+    body: IntArray = array("units", 2)  # -1: none, or one that nothing moves
+    J: FloatArray = array("units", 2, "rows", "width")
+    x: FloatArray = array("unknowns")
+    factor: SparseFactor  # of Newton's method
 
 
 def sparse_factor(sizes: dict[str, int], before: SparseFactor | None = None, begun: bool = True) -> SparseFactor:

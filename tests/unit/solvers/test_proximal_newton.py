@@ -15,9 +15,7 @@ from lcpflex.solvers.contact.judging import Judged, measure_loads
 from lcpflex.solvers.contact.laws import BILATERAL, COULOMB, HALF_LINE
 from lcpflex.solvers.contact.operators import (
     add_effect,
-    bodies_newton,  # noqa: F401  what Newton's method asks of both
     defect,
-    dense_newton,  # noqa: F401
     factorise,
     factorise_moving,
     moves_centre,
