@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     )
     from lcpflex.solvers.contact.block_gauss_seidel import BlockGaussSeidel as BlockGaussSeidel
     from lcpflex.solvers.contact.cone import ConvexFriction as ConvexFriction
+    from lcpflex.solvers.contact.cones.conic import ConicFixedPoint as ConicFixedPoint
     from lcpflex.solvers.contact.cones.facets import FacetedCone as FacetedCone
-    from lcpflex.solvers.contact.cones.fixed_point import ConicFixedPoint as ConicFixedPoint
     from lcpflex.solvers.contact.cones.several import contact_solutions as contact_solutions
     from lcpflex.solvers.contact.cones.solver import AlartCurnier as AlartCurnier
     from lcpflex.solvers.contact.problem import ContactProblem as ContactProblem

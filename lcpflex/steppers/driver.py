@@ -18,9 +18,8 @@ from lcpflex.errors import ModelError, SolverError
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.solvers.auto import TARGET, Auto
 from lcpflex.solvers.certificate import guarded_residual
-from lcpflex.solvers.contact.compiled import solve_contacts
+from lcpflex.solvers.contact.compiled import AUTO, METHODS, solve_contacts
 from lcpflex.solvers.contact.memory import ContactData, SolverMemory
-from lcpflex.solvers.contact.methods import AUTO, METHODS
 from lcpflex.solvers.contact.posed import (
     lagging,
     measured,

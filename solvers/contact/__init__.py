@@ -3,7 +3,4 @@
 :class:`.problem.ContactProblem` is what a user poses; :class:`.memory.ContactData` is the same inside compiled
 steppers, solved by :func:`.compiled.solve_contacts`, or by solvers in Python as :mod:`.posed` hands it to them. What
 else is asked of one: :mod:`.least_forces`, :mod:`.several_motions`. Nobody but solvers reads the LCP in between.
-
-To add a method that runs there: a file with its solver class and its kernel, and an entry and a branch in
-:mod:`.methods`.
 """

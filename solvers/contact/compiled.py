@@ -2,12 +2,17 @@
 
 The unknowns are three a frictional contact (:mod:`lcpflex.solvers.contact.lcp_forms`), on index sets three a contact
 that may stick; they are solved in units of their contacts (:mod:`lcpflex.solvers.balance`).
+
+To add a compiled method: a file with its solver class and its kernel, a number, an entry in ``METHODS`` and a branch
+in :func:`find`. The kernel gets the contact problem and the memory, in which the LCP stands in units of its contacts
+(``alike``, ``load``, ``size`` unknowns). It leaves z there, and returns its status and iterations; what it found is
+certified afterwards.
 """
 
 from __future__ import annotations
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.solvers.auto import TARGET, auto
+from lcpflex.solvers.auto import TARGET, Auto, auto
 from lcpflex.solvers.balance import DEAD, contact_units, in_units, unknown_units
 from lcpflex.solvers.certificate import ROUNDING, guarded_residual, residual_parts, strict_residual, terms_residual
 from lcpflex.solvers.contact.index_sets import STICKING, reduce_columns, sliding_sign
@@ -21,21 +26,27 @@ from lcpflex.solvers.contact.memory import (
     ContactData,
     SolverMemory,
 )
-from lcpflex.solvers.contact.methods import find
+from lcpflex.solvers.lcp.lemke import Lemke, lemke, pivot_budget
 from lcpflex.solvers.status import SOLVED
 
 __all__ = [
-    "pose_lcp",
-    "motion_of",
-    "read_forces",
-    "row_forces",
-    "slip_of",
-    "solve_contacts",
-    "solve_normals",
-    "sticks",
-]
+    "AUTO", "METHODS", "motion_of", "pose_lcp", "read_forces", "row_forces", "slip_of", "solve_contacts",
+    "solve_normals", "sticks",
+]  # fmt: skip
 
+LEMKE, AUTO = 0, 1  # SolverMemory.method
+METHODS: dict[type, int] = {Lemke: LEMKE, Auto: AUTO}
 RESCUED = 1e-8  # natural-map residual of a solution found elsewhere that is worth handing on
+
+
+@kernel
+def find(data: ContactData, memory: SolverMemory, warm: bool) -> tuple[int, int]:
+    """z by the method of ``memory``, from its basis if ``warm``; (status, iterations)."""
+    m = memory.size
+    if memory.method == AUTO:
+        symmetric = data.n_tangents == 0
+        return auto(memory.alike, memory.load, m, memory.z, memory.tableau, memory.basis, symmetric, warm)
+    return lemke(memory.alike, memory.load, m, memory.z, memory.tableau, memory.basis, pivot_budget(m))
 
 
 @kernel

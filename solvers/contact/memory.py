@@ -49,7 +49,7 @@ class ContactData:
 class SolverMemory:
     """Solution of a contact problem, what is known of the next one, and the LCP in between; lcp: 3 x contacts."""
 
-    method: int  # see lcpflex.solvers.contact.methods
+    method: int  # see lcpflex.solvers.contact.compiled
     known: int  # what is known of the next problem; counts once
     size: int  # unknowns of the LCP
     n_stick: int  # contacts that have a tangential unknown

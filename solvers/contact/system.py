@@ -17,6 +17,7 @@ from lcpflex.jit.struct import allocate
 from lcpflex.solvers.contact.active_set import states_of
 from lcpflex.solvers.contact.algebra import IN_SPACE, PLANAR, Vector, add_sparse_row, put, sparse_dot
 from lcpflex.solvers.contact.block_iteration import sweep
+from lcpflex.solvers.contact.coupling import ConeBlocks
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.laws import COULOMB
 from lcpflex.solvers.contact.laws.states import BACK, OPEN, STICKING
@@ -259,8 +260,6 @@ def storage_of(problem: Any) -> Storage:
         return None
     if few:
         return np.ascontiguousarray(as_dense(matrix))
-    from lcpflex.solvers.contact.cones.blocks import ConeBlocks  # the plane needs none of them
-
     return ConeBlocks(matrix)
 
 

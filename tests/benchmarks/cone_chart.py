@@ -33,8 +33,7 @@ import lcpflex.steppers.time_stepping as time_stepping
 from lcpflex.solvers.contact.algebra import IN_SPACE
 from lcpflex.solvers.contact.judging import judge
 from lcpflex.solvers.contact.large.memory import large_memory
-from lcpflex.solvers.contact.large.packing import pack
-from lcpflex.solvers.contact.large.solving import ROOM, solve_large
+from lcpflex.solvers.contact.large.solving import ROOM, pack, solve_large
 from lcpflex.solvers.contact.operators.sparse_factor import widen
 from tests.benchmarks.sphere_chart import loose, scene_of
 

@@ -26,9 +26,9 @@ from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.shared_sets import share_mixed
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import OPEN
-from lcpflex.solvers.contact.cones.ambiguity import several_forces
 from lcpflex.solvers.contact.cones.mixed import judge_mixed, solve_mixed
 from lcpflex.solvers.contact.cones.reserve import LIMIT, UNIQUE, held_forces, most_reserve
+from lcpflex.solvers.contact.cones.several import several_forces
 from lcpflex.solvers.contact.index_sets import SMOOTH, STICKING
 from lcpflex.steppers.event_driven.memory import CONE, PRESSURE, EventSettings, copy_entry
 from lcpflex.steppers.event_driven.segment import FORCE_TOLERANCE

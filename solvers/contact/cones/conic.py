@@ -2,31 +2,50 @@
 
     min 1/2 r.G r + (free + e).r  subject to r in K    <=>    K ∋ r  _|_  G r + free + e ∈ K*
 
-With e = 0 it is the convex relaxation of Coulomb's law (Anitescu 2006), which lifts contacts that slide; with
-e = mu s n and s = |u_T| of its own solution it is Coulomb's law (Acary, Cadoux, Lemarechal & Malick 2011).
+With e = 0 it is the convex relaxation of Coulomb's law (Anitescu 2006), another model, which lifts contacts that slide.
+With e = mu s n and s = |u_T| of its own solution it is Coulomb's law: s <- |u_T|, from s = 0, is mostly a contraction,
+without a guarantee. Source: Acary, Cadoux, Lemarechal & Malick 2011 (a formulation of the linear discrete Coulomb
+friction problem via convex optimization).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
+import numpy.typing as npt
 
 from lcpflex.basics import libs
+from lcpflex.basics.arguments import flag, point_of
 from lcpflex.basics.blas import one_thread
+from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.arguments import check_guess
+from lcpflex.solvers.certificate import guarded_residual, strict_residual
 from lcpflex.solvers.clock import out_of_time
-from lcpflex.solvers.contact.clarabel import conic_program
+from lcpflex.solvers.contact.clarabel import SUCCESS, conic_program
 from lcpflex.solvers.contact.cones.certificate import nearest_in_cone
 from lcpflex.solvers.contact.matrices import is_sparse
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
+from lcpflex.solvers.contact.starts import started
+from lcpflex.solvers.guard import guarded
+from lcpflex.solvers.limits import keep_settings
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, restored
+from lcpflex.solvers.refusals import only_cones
 
-__all__ = ["ConicProgram", "relaxed_miss"]
+__all__ = ["ConicFixedPoint", "ConicProgram", "RelaxedSpatialProblem", "relaxed_miss", "relaxed_solution"]
 
 LARGEST = 1200  # force components up to which Newton steps with a dense matrix take out what Clarabel leaves
 STEPS = 12  # of Newton
 REGULARISED = 1e-10  # of the diagonal: what the Jacobian alone is given, as G is singular where supports are redundant
+PRESSED = 1e-8  # r_N, relative to the largest, beyond which a contact counts as pressed
+ROUTE = "conic fixed point"
+NEAR = 1e-2  # residual from which a program is near enough to the last one for Newton steps alone
+ROUNDED = 1e-13  # what they may leave of the natural map, relative to the load
+STALLED = 10  # passes without a better point that end the iteration
+BETTER = 0.9  # of the least residual
 
 
 @kernel
@@ -168,3 +187,165 @@ def _step(G: FloatArray, miss: FloatArray, slope: FloatArray, n: int) -> FloatAr
     except np.linalg.LinAlgError:
         return np.full(3 * n, np.nan)
     return np.asarray(step)
+
+
+@dataclass(frozen=True, slots=True)
+class RelaxedSpatialProblem:
+    """The relaxed law K ∋ r _|_ G r + free ∈ K* for the contacts of a :class:`SpatialContactProblem`.
+
+    Unknowns are the forces (3 k,). Raises ModelError if ``contact`` is something else.
+    """
+
+    contact: SpatialContactProblem
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.contact, SpatialContactProblem):
+            raise ModelError(f"contact is a {type(self.contact).__name__}: expected a SpatialContactProblem")
+
+    @property
+    def size(self) -> int:
+        """Number 3 k of force components."""
+        return self.contact.size
+
+    @property
+    def unknown_keys(self) -> tuple[Hashable, ...]:
+        """Those of the contacts."""
+        return self.contact.unknown_keys
+
+    def slack(self, z: npt.ArrayLike) -> FloatArray:
+        """The velocities (3 k,) under the forces z (3 k,)."""
+        return self.contact.slack(z)
+
+    def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float:
+        """The largest component of r' - P_K(r' - u') in units of each contact; relative to its terms if ``scaled``.
+
+        z (3 k,): the forces; inf where they hold NaN or inf. Raises ModelError if z has another shape.
+        """
+        return self.residuals(z)[0] if flag("scaled", scaled) else self._parts(z)[0]
+
+    def residuals(self, z: npt.ArrayLike) -> tuple[float, float]:
+        """The residual of z (3 k,) relative to the terms of the velocities, and to the free velocity alone."""
+        worst, size, load = self._parts(z)
+        return float(guarded_residual(worst, size, load)), float(strict_residual(worst, load))
+
+    def lift(self, z: npt.ArrayLike) -> float:
+        """Largest u_N of the contacts that forces z (3 k,) press: 0 if Coulomb's law holds too; in units of free."""
+        pressed = self.contact.forces(z)[:, 0]
+        chosen = pressed > PRESSED * np.abs(pressed).max(initial=0.0)
+        return float(self.slack(z)[::3][chosen].max(initial=0.0))
+
+    def _parts(self, z: npt.ArrayLike) -> tuple[float, float, float]:
+        """What is left, the size of its terms, and that of the free velocities, in units of the contacts."""
+        contact, point = self.contact, point_of("z", z, self.size)
+        _, size, load = contact.residual_parts(point)
+        d = contact.unknown_units.d
+        with np.errstate(all="ignore"):
+            r, u = point / d, contact.slack(point) * d
+        if not (size < np.inf and np.isfinite(r).all() and np.isfinite(u).all()):
+            return np.inf, np.inf, np.inf
+        miss, slope = np.empty(self.size), np.empty((self.size, 3))
+        worst = float(relaxed_miss(r, u, contact._data[2], len(contact.friction), miss, slope))
+        return (worst, size, load) if worst < np.inf else (np.inf, np.inf, np.inf)
+
+
+def relaxed_solution(contact: SpatialContactProblem) -> tuple[FloatArray, int, str]:
+    """Forces (3 k,) of the relaxed law as Clarabel and Newton steps find them, the iterations, and what it says."""
+    units = contact.unknown_units
+    program = ConicProgram.of(contact.balanced())
+    load = np.array(program.problem.free)
+    forces, iterations, said = program.solve(load)
+    if np.isfinite(forces).all():
+        forces, _ = program.polished(load, forces)
+    return units.outward(forces), iterations, said
+
+
+@dataclass(frozen=True, slots=True)
+class ConicFixedPoint:
+    """Contact in space by a sequence of convex programs (Clarabel): slow, and independent of all other solvers.
+
+    tolerance: largest accepted residual [-]; pass_limit: largest number of programs. Takes a
+    :class:`SpatialContactProblem`, with the Delassus matrix or only its factor. Converges in practice, without a
+    guarantee; where the slip of many contacts depends on that of others, or friction is large, it may not. Beyond 400
+    contacts the last digits of its programs are Clarabel's, and it ends at 1e-8 to 1e-9. Raises ModelError for numbers
+    out of their range and for other problems.
+    """
+
+    tolerance: float = 1e-10
+    pass_limit: int = 300
+    only_cones: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        keep_settings(self, "pass_limit", needed=True)
+
+    def refuses(self, problem: Lcp | PosedProblem) -> str:
+        """Why the solver cannot take the problem; empty if it can."""
+        return only_cones(self, problem)
+
+    def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
+        """Iterate, from the slips of the guess if there is one (matched by contact).
+
+        problem: a :class:`SpatialContactProblem`. guess: the solution of a similar problem to start from, or None.
+        """
+        check_guess(guess)
+        if not isinstance(problem, SpatialContactProblem):
+            raise ModelError(self.refuses(problem))
+        units, alike = problem.unknown_units, problem.balanced()
+        start = started(guess, problem.unknown_keys)
+        start = None if start is None else units.inward(start)
+        with np.errstate(all="ignore"):  # what overflows is not finite, and is not called solved
+            found = guarded(ROUTE, alike, self.tolerance, lambda: self._iterate(alike, start))
+        return replace(restored(problem, found, units, self.tolerance), keys=problem.unknown_keys)
+
+    def _iterate(self, problem: SpatialContactProblem, start: FloatArray | None) -> Solution:
+        """Programs, each with the slips of the last one. problem: balanced; start (3 k,): forces, or None."""
+        best = np.zeros(problem.size)
+        least = problem.residual(best)
+        if least <= self.tolerance:
+            return accept(problem, best, tolerance=self.tolerance, route="free velocities")
+        program = ConicProgram.of(problem)
+        forces = best if start is None else start
+        slip = np.zeros(len(problem.friction)) if start is None else _slip(problem, start)
+        said, status, done, stalled = "", Status.ITERATION_LIMIT, 0, 0
+        while done < self.pass_limit and least > self.tolerance:
+            forces, said = _pass(program, program.load(slip, forces), forces, warm=least < NEAR)
+            done += 1
+            if not np.isfinite(forces).all():
+                status = Status.NUMERICAL_FAILURE
+                break
+            residual = problem.residual(forces)
+            stalled = 0 if residual < BETTER * least else stalled + 1
+            if residual < least:
+                best, least = forces, residual
+            if stalled > STALLED or out_of_time():
+                status = Status.TIME_LIMIT if out_of_time() else Status.NUMERICAL_FAILURE
+                break
+            slip = _slip(problem, forces)
+        message = "" if least <= self.tolerance or said in SUCCESS else f"numerical failure: Clarabel: {said}"
+        return accept(
+            problem,
+            best,
+            tolerance=self.tolerance,
+            status=status,
+            iterations=done,
+            route=ROUTE,
+            message=message,
+        )
+
+
+def _pass(program: ConicProgram, load: FloatArray, forces: FloatArray, warm: bool) -> tuple[FloatArray, str]:
+    """The solution of one program, and what Clarabel says.
+
+    warm: whether forces are near enough for Newton steps alone to find it.
+    """
+    if warm:
+        near, left = program.polished(load, forces)
+        if left <= ROUNDED * float(np.abs(load).max(initial=0.0)):
+            return near, SUCCESS[0]
+    forces, _, said = program.solve(load)
+    return program.polished(load, forces)[0], said
+
+
+def _slip(problem: SpatialContactProblem, forces: FloatArray) -> FloatArray:
+    """|u_T| (k,) of each contact."""
+    u = problem.velocity(forces)
+    return np.hypot(u[1::3], u[2::3])

@@ -20,8 +20,7 @@ from lcpflex.solvers.contact.algebra import PLANAR
 from lcpflex.solvers.contact.best import copy_forces
 from lcpflex.solvers.contact.judging import judge
 from lcpflex.solvers.contact.large.memory import BodyContacts, LargeMemory
-from lcpflex.solvers.contact.large.packing import unpack
-from lcpflex.solvers.contact.large.solving import ROOM
+from lcpflex.solvers.contact.large.solving import ROOM, unpack
 from lcpflex.solvers.contact.laws import BILATERAL, COULOMB, HALF_LINE
 from lcpflex.solvers.contact.laws.states import BACK, FORTH, OPEN, STICKING
 from lcpflex.solvers.contact.operators import add_effect, defect, product

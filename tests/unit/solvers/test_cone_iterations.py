@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.sparse
 
-from lcpflex.solvers.contact.cones.blocks import ConeBlocks
+from lcpflex.solvers.contact.coupling import ConeBlocks
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.contact.system import ContactSystem
 from lcpflex.solvers.contact.user_search import UserSearch

@@ -14,8 +14,8 @@ from lcpflex.solvers import (
     SpatialContactProblem,
     Status,
 )
+from lcpflex.solvers.contact.cones.conic import RelaxedSpatialProblem
 from lcpflex.solvers.contact.cones.facets import FacetedContactProblem, nearest_in_polygon
-from lcpflex.solvers.contact.cones.relaxed import RelaxedSpatialProblem
 from tests.cone_problems import planted, puck
 
 FIXED = ConicFixedPoint(1e-11, 300)

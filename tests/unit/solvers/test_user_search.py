@@ -11,7 +11,7 @@ import scipy.sparse
 
 from lcpflex.solvers import ContactProblem, SpatialContactProblem
 from lcpflex.solvers.clock import within
-from lcpflex.solvers.contact.cones.blocks import ConeBlocks
+from lcpflex.solvers.contact.coupling import ConeBlocks
 from lcpflex.solvers.contact.strategy import Attempt, attempts_for
 from lcpflex.solvers.contact.system import ContactSystem
 from lcpflex.solvers.contact.user_search import UserSearch, _SparseFactors, split_ranks

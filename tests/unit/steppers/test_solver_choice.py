@@ -12,10 +12,9 @@ import lcpflex as lf
 from lcpflex.dynamics.workspace import NO_LIMIT, Workspace
 from lcpflex.gallery import scenes
 from lcpflex.solvers import AlartCurnier, ConicFixedPoint, ContactProblem, ConvexFriction, FacetedCone, Lcp
-from lcpflex.solvers.contact.compiled import solve_contacts
+from lcpflex.solvers.contact.compiled import AUTO, solve_contacts
 from lcpflex.solvers.contact.index_sets import SLIDE_BACK, SLIDE_FORTH, SMOOTH, STICKING
 from lcpflex.solvers.contact.memory import SOLUTION_KNOWN
-from lcpflex.solvers.contact.methods import AUTO
 from lcpflex.solvers.contact.posed import own_pull, posed_lcp, posed_problem
 from lcpflex.solvers.contact.recollection import recall_basis, remember_basis, turn_over
 from lcpflex.steppers.driver import MOST_RESCUES, Rescue
