@@ -1,36 +1,29 @@
-"""The matrices of a contact problem, dense or sparse: read from a user, and the size up to which they become dense."""
+"""Contacts posed by a user: their matrices, dense or sparse, and the size up to which they become dense."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from lcpflex.basics import libs
-from lcpflex.basics.arguments import numbers
+from lcpflex.basics.arguments import numbers, point_of
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arrays import as_array, check_finite, finite_array
 
 __all__ = [
-    "DENSE_LARGEST",
-    "as_dense",
-    "check_dense",
-    "coefficients",
-    "diagonal_of",
-    "in_units_of",
-    "is_sparse",
-    "keys_of",
-    "of_rows",
-    "read_delassus",
-    "read_factor",
-    "shown_only",
-]
+    "DENSE_LARGEST", "PosedContacts", "as_dense", "check_dense", "coefficients", "diagonal_of", "in_units_of",
+    "is_sparse", "keys_of", "of_rows", "read_delassus", "read_factor", "shown_only",
+]  # fmt: skip
 
 # Rows of the largest square array that is made of a contact problem, 128 MB: beyond it all that is kept is sparse, and
 # memory is linear in the entries.
 DENSE_LARGEST = 4000
+BLOCK = 256  # rows of the Delassus operator that exist at a time where only its factor is known
 
 
 def check_dense(what: str, rows: int) -> None:
@@ -150,3 +143,79 @@ def keys_of(value: Any, n: int) -> tuple[Hashable, ...]:
     if len(keys) != n or len(set(keys)) != n:
         raise ModelError(f"keys has {len(keys)} entries, {len(set(keys))} different: expected {n}, one each")
     return keys
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PosedContacts:
+    """Contacts with velocities (or accelerations) ``G @ forces + free``; see the classes that are of it."""
+
+    delassus: Any
+    free: FloatArray
+    friction: FloatArray
+    keys: tuple[Hashable, ...] = ()
+    factor: Any = None
+    # What the arrays above show read-only: kernels would be compiled a second time for read-only arrays.
+    _data: tuple[Any, FloatArray, FloatArray, Any] = field(init=False, repr=False)
+    _kept: dict[str, Any] = field(default_factory=dict, init=False, repr=False)  # once asked for
+
+    def __post_init__(self) -> None:
+        friction = coefficients(self.friction)
+        free = finite_array("free", self.free, 1)
+        m, expected = self._rows(friction)
+        delassus = read_delassus(self.delassus, m)
+        factor = read_factor(self.factor)
+        if delassus is None and factor is None:
+            raise ModelError("delassus is None: expected a matrix, or else its factor")
+        shape = (m, m) if delassus is None else delassus.shape
+        if free.shape != (m,) or shape != (m, m) or (factor is not None and factor.shape[0] != m):
+            given = f"factor has shape {factor.shape}" if delassus is None else f"delassus has shape {shape}"
+            raise ModelError(f"{given} and free {free.shape}: expected {m} rows{expected}")
+        keys = keys_of(self.keys, len(friction))
+        object.__setattr__(self, "_data", (delassus, free, friction, factor))
+        for name, value in zip(("delassus", "free", "friction", "factor"), self._data, strict=True):
+            object.__setattr__(self, name, shown_only(value))
+        object.__setattr__(self, "keys", keys)
+
+    @staticmethod
+    def _rows(friction: FloatArray) -> tuple[int, str]:
+        """How many rows contacts have, and for what."""
+        raise NotImplementedError
+
+    @property
+    def data(self) -> tuple[Any, FloatArray, FloatArray, Any]:
+        """delassus, free, friction and factor, read-only."""
+        return self.delassus, self.free, self.friction, self.factor
+
+    @property
+    def diagonal(self) -> FloatArray:
+        """(m,) that of the Delassus operator."""
+        return diagonal_of(self.delassus, self.factor)
+
+    def _formed(self) -> Any:
+        """The Delassus operator, or None where only its factor is known."""
+        return self._data[0]
+
+    def row_blocks(self) -> Iterator[tuple[slice, Any]]:
+        """The rows of the Delassus operator, no more than BLOCK of them at a time; sparse where the factor is."""
+        matrix = self._formed()
+        for first in range(0, len(self.free), BLOCK):
+            rows = slice(first, min(first + BLOCK, len(self.free)))
+            yield rows, self.factor[rows] @ self.factor.T if matrix is None else matrix[rows]
+
+    def dense(self) -> FloatArray:
+        """The Delassus matrix (m, m) as an array, multiplied out if only its factor is known.
+
+        Raises ModelError beyond 4000 rows.
+        """
+        if isinstance(self.delassus, np.ndarray):
+            return self.delassus
+        check_dense("the Delassus matrix", len(self.free))
+        matrix = self.factor @ self.factor.T if self.delassus is None else self.delassus
+        return np.ascontiguousarray(as_dense(matrix))
+
+    def velocity(self, forces: npt.ArrayLike) -> FloatArray:
+        """G @ forces + free (m,) for forces (m,), in the order of the rows."""
+        x = point_of("forces", forces, len(self.free))
+        delassus, _, _, factor = self._data
+        product = factor @ (factor.T @ x) if delassus is None else delassus @ x
+        return np.asarray(product + self.free)

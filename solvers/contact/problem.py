@@ -6,8 +6,8 @@ The forms are those of :mod:`lcpflex.solvers.contact.lcp_forms`.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Hashable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,49 +15,24 @@ import numpy.typing as npt
 
 from lcpflex.basics import libs
 from lcpflex.basics.arguments import flag, point_of
-from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess, check_solver
-from lcpflex.solvers.arrays import finite_array
 from lcpflex.solvers.balance import NOTHING, Units, contact_units, unknown_units
 from lcpflex.solvers.certificate import largest_measures
 from lcpflex.solvers.contact.coupling import MOST_BLOCKS, Coupling, coupling_of
-from lcpflex.solvers.contact.lcp_forms import (
-    assemble_copositive_lcp,
-    assemble_friction_lcp,
-    split_friction_solution,
-)
-from lcpflex.solvers.contact.matrices import (
-    as_dense,
-    check_dense,
-    coefficients,
-    diagonal_of,
-    in_units_of,
-    keys_of,
-    read_delassus,
-    read_factor,
-    shown_only,
-)
-from lcpflex.solvers.contact.row_sizes import row_sizes
+from lcpflex.solvers.contact.lcp_forms import assemble_copositive_lcp, assemble_friction_lcp, split_friction_solution
+from lcpflex.solvers.contact.matrices import PosedContacts, as_dense, check_dense, in_units_of
 from lcpflex.solvers.lcp.exact_residual import largest_of_each
 from lcpflex.solvers.lcp.exact_systems import ExactSystem, contact_rows
 from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status, accept, confirmed
 
-__all__ = [
-    "ContactProblem",
-    "aligned",
-    "assemble_copositive_lcp",
-    "assemble_friction_lcp",
-    "split_friction_solution",
-]
+__all__ = ["ContactProblem", "aligned"]
 
 APART = 1e-6  # relative distance of two solutions
 KEPT = 300  # unknowns up to which the LCP is made only once, 1.5 MB
-BLOCK = 256  # rows of the Delassus operator that exist at a time where only its factor is known
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ContactProblem:
+class ContactProblem(PosedContacts):
     """Planar Coulomb contact: contact velocities (or accelerations) are ``G @ forces + free``.
 
     Attributes
@@ -85,40 +60,12 @@ class ContactProblem:
         For sizes that do not fit, a number that is not finite, a negative coefficient, keys that repeat.
     """
 
-    delassus: Any
-    free: FloatArray
-    friction: FloatArray
-    keys: tuple[Hashable, ...] = ()
-    factor: Any = None
-    # What the arrays above show read-only: kernels would be compiled a second time for read-only arrays.
-    _data: tuple[Any, FloatArray, FloatArray, Any] = field(init=False, repr=False, compare=False)
-    _kept: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)  # once asked for
+    __slots__ = ()
 
-    def __post_init__(self) -> None:
-        friction = coefficients(self.friction)
-        free = finite_array("free", self.free, 1)
-        n_normal, m = len(friction), len(friction) + int(np.count_nonzero(friction))
-        delassus = read_delassus(self.delassus, m)
-        factor = read_factor(self.factor)
-        if delassus is None and factor is None:
-            raise ModelError("delassus is None: expected a matrix, or else its factor")
-        shape = (m, m) if delassus is None else delassus.shape
-        if free.shape != (m,) or shape != (m, m) or (factor is not None and factor.shape[0] != m):
-            given = f"factor has shape {factor.shape}" if delassus is None else f"delassus has shape {shape}"
-            raise ModelError(
-                f"{given} and free {free.shape}: expected {m} rows for {n_normal} contacts, "
-                f"{m - n_normal} of them with friction"
-            )
-        keys = keys_of(self.keys, n_normal)
-        object.__setattr__(self, "_data", (delassus, free, friction, factor))
-        for name, value in zip(("delassus", "free", "friction", "factor"), self._data, strict=True):
-            object.__setattr__(self, name, shown_only(value))
-        object.__setattr__(self, "keys", keys)
-
-    @property
-    def data(self) -> tuple[Any, FloatArray, FloatArray, Any]:
-        """delassus, free, friction and factor, read-only."""
-        return self.delassus, self.free, self.friction, self.factor
+    @staticmethod
+    def _rows(friction: FloatArray) -> tuple[int, str]:
+        n, rubbing = len(friction), int(np.count_nonzero(friction))
+        return n + rubbing, f" for {n} contacts, {rubbing} of them with friction"
 
     @property
     def tangent(self) -> IntArray:
@@ -126,17 +73,6 @@ class ContactProblem:
         if "tangent" not in self._kept:
             self._kept["tangent"] = np.flatnonzero(self.friction)
         return self._kept["tangent"]  # type: ignore[no-any-return]
-
-    @property
-    def diagonal(self) -> FloatArray:
-        """(m,) that of the Delassus operator."""
-        return diagonal_of(self.delassus, self.factor)
-
-    def row_blocks(self) -> Iterator[tuple[slice, Any]]:
-        """The rows of the Delassus operator, no more than BLOCK of them at a time; sparse where the factor is."""
-        for first in range(0, len(self.free), BLOCK):
-            rows = slice(first, min(first + BLOCK, len(self.free)))
-            yield rows, self.delassus[rows] if self.delassus is not None else self.factor[rows] @ self.factor.T
 
     @property
     def units(self) -> FloatArray:
@@ -212,17 +148,6 @@ class ContactProblem:
             sides = (("N", self.keys), ("R", rubbing), ("L", rubbing))
             self._kept["keys"] = tuple([(key, side) for side, keys in sides for key in keys])
         return self._kept["keys"]  # type: ignore[no-any-return]
-
-    def dense(self) -> FloatArray:
-        """The Delassus matrix (m, m) as an array, multiplied out if only its factor is known.
-
-        Raises ModelError beyond 4000 rows.
-        """
-        if isinstance(self.delassus, np.ndarray):
-            return self.delassus
-        check_dense("the Delassus matrix", len(self.free))
-        matrix = self.factor @ self.factor.T if self.delassus is None else self.delassus
-        return np.ascontiguousarray(as_dense(matrix))
 
     def lcp(self) -> Lcp:
         """Unknowns [lambda_N (n_N), lambda_R (n_H), xi_L (n_H)]: see :func:`assemble_friction_lcp`.
@@ -302,12 +227,6 @@ class ContactProblem:
         slip = self.velocity(np.concatenate([pressed, rubbed]))[normals:]
         edge = (self.friction * pressed)[tangent]
         return np.concatenate([pressed, rubbed + edge, np.maximum(-slip, 0.0)])
-
-    def velocity(self, forces: npt.ArrayLike) -> FloatArray:
-        """G @ forces + free (m,) for the forces [lambda_N, lambda_T] (m,)."""
-        x = point_of("forces", forces, len(self.free))
-        product = self.delassus @ x if self.delassus is not None else self.factor @ (self.factor.T @ x)
-        return np.asarray(product + self.free)
 
     def slack(self, z: npt.ArrayLike) -> FloatArray:
         """w of :meth:`lcp` without forming it: [v_N, xi_R = v_T + xi_L, lambda_L = 2 mu lambda_N - lambda_R].
@@ -404,3 +323,27 @@ def aligned(guess: Solution | None, keys: tuple[Hashable, ...]) -> Solution | No
     if guess.active is not None:
         active = np.where(known, guess.active[found], 0) if len(guess.z) else np.zeros(len(keys), dtype=np.int64)
     return replace(guess, z=z, w=np.zeros(len(keys)), active=active, keys=keys)
+
+
+def row_sizes(problem: ContactProblem, z: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """max_j |M_ij| and |q_i| + sum_j |M_ij z_j| of every row of :meth:`ContactProblem.lcp`."""
+    tangent, normals, m = problem.tangent, len(problem.friction), len(problem.free)
+    count = len(tangent)
+    edge = libs.sparse.csr_array((problem.friction[tangent], (np.arange(count), tangent)), shape=(count, normals))
+    columns = libs.sparse.block_array(
+        [[libs.sparse.eye_array(normals), None], [-edge, libs.sparse.eye_array(count)]], format="csr"
+    )
+    largest, terms = np.zeros(problem.size), np.zeros(problem.size)
+    size = np.abs(z)
+    for rows, block in problem.row_blocks():
+        block = abs(block @ columns)
+        largest[rows] = as_dense(block.max(axis=1)).ravel()
+        terms[rows] = block @ size[:m]
+    terms[:m] += np.abs(problem.free)
+    largest[normals:m] = np.maximum(largest[normals:m], 1.0)
+    terms[normals:m] += size[m:]
+    mu = problem.friction[tangent]
+    largest[m:] = np.maximum(2.0 * mu, 1.0)
+    terms[m:] = 2.0 * mu * size[tangent] + size[normals:m]
+    largest[largest == 0.0] = 1.0
+    return largest, terms

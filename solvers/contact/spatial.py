@@ -7,8 +7,7 @@ refuse it, and those that know cones take it as it is.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Hashable
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,34 +18,20 @@ from lcpflex.basics.arguments import flag, point_of
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess, check_solver
-from lcpflex.solvers.arrays import finite_array
 from lcpflex.solvers.balance import NOTHING, Units, contact_units
 from lcpflex.solvers.contact.cones.certificate import cone_parts, cone_sizes, weigh_cones
-from lcpflex.solvers.contact.matrices import (
-    as_dense,
-    check_dense,
-    coefficients,
-    diagonal_of,
-    in_units_of,
-    is_sparse,
-    keys_of,
-    read_delassus,
-    read_factor,
-    shown_only,
-)
+from lcpflex.solvers.contact.matrices import PosedContacts, in_units_of, is_sparse
 from lcpflex.solvers.problem import Lcp, LcpSolver, Solution
 from lcpflex.solvers.refusals import NO_LCP, check_answer
 
 __all__ = ["SpatialContactProblem"]
 
-BLOCK = 256  # rows of the Delassus operator that exist at a time where only its factor is known
 MOST_ENTRIES = 20_000_000  # of the product of a factor, up to which it is multiplied out
 SYMMETRY = 1e-10  # largest |G - G^T| of a symmetric operator, relative to its largest entry
 SIDES = ("N", "1", "2")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class SpatialContactProblem:
+class SpatialContactProblem(PosedContacts):
     """Coulomb contact in space: contact velocities (or accelerations) are ``G @ forces + free``.
 
     The unknowns z of its solutions are the forces (3 k,) themselves, [N s] or [N], and w the velocities.
@@ -72,38 +57,12 @@ class SpatialContactProblem:
         For sizes that do not fit, a number that is not finite, a negative coefficient, keys that repeat.
     """
 
-    delassus: Any
-    free: FloatArray
-    friction: FloatArray
-    keys: tuple[Hashable, ...] = ()
-    factor: Any = None
+    __slots__ = ()
     cones: ClassVar[bool] = True  # no LCP
-    # What the arrays above show read-only: kernels would be compiled a second time for read-only arrays.
-    _data: tuple[Any, FloatArray, FloatArray, Any] = field(init=False, repr=False)
-    _kept: dict[str, Any] = field(default_factory=dict, init=False, repr=False)  # once asked for
 
-    def __post_init__(self) -> None:
-        friction = coefficients(self.friction)
-        free = finite_array("free", self.free, 1)
-        contacts, m = len(friction), 3 * len(friction)
-        delassus = read_delassus(self.delassus, m)
-        factor = read_factor(self.factor)
-        if delassus is None and factor is None:
-            raise ModelError("delassus is None: expected a matrix, or else its factor")
-        shape = (m, m) if delassus is None else delassus.shape
-        if free.shape != (m,) or shape != (m, m) or (factor is not None and factor.shape[0] != m):
-            given = f"factor has shape {factor.shape}" if delassus is None else f"delassus has shape {shape}"
-            raise ModelError(f"{given} and free {free.shape}: expected {m} rows, three for each of {contacts} contacts")
-        keys = keys_of(self.keys, contacts)
-        object.__setattr__(self, "_data", (delassus, free, friction, factor))
-        for name, value in zip(("delassus", "free", "friction", "factor"), self._data, strict=True):
-            object.__setattr__(self, name, shown_only(value))
-        object.__setattr__(self, "keys", keys)
-
-    @property
-    def data(self) -> tuple[Any, FloatArray, FloatArray, Any]:
-        """delassus, free, friction and factor, read-only."""
-        return self.delassus, self.free, self.friction, self.factor
+    @staticmethod
+    def _rows(friction: FloatArray) -> tuple[int, str]:
+        return 3 * len(friction), f", three for each of {len(friction)} contacts"
 
     @property
     def size(self) -> int:
@@ -128,11 +87,6 @@ class SpatialContactProblem:
         if "keys" not in self._kept:
             self._kept["keys"] = tuple([(key, side) for key in self.keys for side in SIDES])
         return self._kept["keys"]  # type: ignore[no-any-return]
-
-    @property
-    def diagonal(self) -> FloatArray:
-        """(3 k,) that of the Delassus operator."""
-        return diagonal_of(self.delassus, self.factor)
 
     @property
     def units(self) -> FloatArray:
@@ -174,33 +128,12 @@ class SpatialContactProblem:
             self._kept["matrix"] = _product(self._data[3])
         return self._kept["matrix"]
 
-    def dense(self) -> FloatArray:
-        """The Delassus matrix (3 k, 3 k) as an array, multiplied out if only its factor is known.
-
-        Raises ModelError beyond 4000 rows.
-        """
-        if isinstance(self.delassus, np.ndarray):
-            return self.delassus
-        check_dense("the Delassus matrix", self.size)
-        matrix = self.factor @ self.factor.T if self.delassus is None else self.delassus
-        return np.ascontiguousarray(as_dense(matrix))
-
-    def row_blocks(self) -> Iterator[tuple[slice, Any]]:
-        """The rows of the Delassus operator, no more than BLOCK of them at a time; sparse where the factor is."""
-        matrix = self.matrix()
-        for first in range(0, self.size, BLOCK):
-            rows = slice(first, min(first + BLOCK, self.size))
-            yield rows, self.factor[rows] @ self.factor.T if matrix is None else matrix[rows]
+    def _formed(self) -> Any:
+        return self.matrix()
 
     def forces(self, z: npt.ArrayLike) -> FloatArray:
         """(k, 3) force of each contact, normal and two tangents, of a solution z (3 k,)."""
         return self._point("z", z).reshape(-1, 3)
-
-    def velocity(self, forces: npt.ArrayLike) -> FloatArray:
-        """G @ forces + free (3 k,) for forces (3 k,)."""
-        x = self._point("forces", forces)
-        product = self._data[0] @ x if self.delassus is not None else self._data[3] @ (self._data[3].T @ x)
-        return np.asarray(product + self.free)
 
     def slack(self, z: npt.ArrayLike) -> FloatArray:
         """w of a point z (3 k,): the velocities of the contacts."""

@@ -8,14 +8,14 @@ import scipy.sparse
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import Auto, ContactProblem, Enumeration, Lemke, Status, accept
-from lcpflex.solvers.contact.lcp_forms import from_copositive
-from lcpflex.solvers.contact.problem import (
-    BLOCK,
-    aligned,
+from lcpflex.solvers.contact.lcp_forms import (
     assemble_copositive_lcp,
     assemble_friction_lcp,
+    from_copositive,
     split_friction_solution,
 )
+from lcpflex.solvers.contact.matrices import BLOCK
+from lcpflex.solvers.contact.problem import aligned
 
 # Rows [N0, N1, T1]: contact 0 without friction, contact 1 with mu = 0.5.
 G = np.array([[2.0, 0.3, 0.1], [0.3, 3.0, 0.4], [0.1, 0.4, 5.0]])
