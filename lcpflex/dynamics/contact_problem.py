@@ -91,27 +91,29 @@ def pose_island(work: Workspace, i: int) -> None:
 @kernel
 def note_effects(work: Workspace, i: int) -> None:
     """What is known of each contact of island i alone; forces that are counted already leave the right-hand side."""
-    problem, contact = work.posed.problem, work.posed.islands.contact
-    first, n = work.posed.islands.start[i], problem.n_contacts
+    posed = work.posed
+    problem, contact = posed.problem, posed.islands.contact
+    first, n = posed.islands.start[i], problem.n_contacts
     for c in range(n):
         k = contact[first + c]
-        work.posed.own[k] = problem.delassus[c, c]
-        work.posed.effect[k] = problem.free[c]
-    if work.posed.lifted == 1:
+        posed.own[k] = problem.delassus[c, c]
+        posed.effect[k] = problem.free[c]
+    if posed.lifted == 1:
         for c in range(n):
             for e in range(n):
-                problem.free[c] -= problem.delassus[c, e] * work.posed.counted[contact[first + e]]
+                problem.free[c] -= problem.delassus[c, e] * posed.counted[contact[first + e]]
 
 
 @kernel
 def describe_contacts(work: Workspace, i: int) -> None:
     """Friction, tangents and names of the contacts of island i, and in ``work.posed.part`` the rows of its problem."""
-    problem, part, contact = work.posed.problem, work.posed.part, work.posed.islands.contact
-    first = work.posed.islands.start[i]
-    n = work.posed.islands.start[i + 1] - first
+    posed = work.posed
+    problem, part, contact = posed.problem, posed.part, posed.islands.contact
+    first = posed.islands.start[i]
+    n = posed.islands.start[i + 1] - first
     all_contacts, table = work.rows.n_contacts, work.rows.table
-    tangent_of, terms = work.posed.tangent_of, work.free.terms
-    on_sets, shifted = work.posed.on_sets, work.posed.shifted
+    tangent_of, terms = posed.tangent_of, work.free.terms
+    on_sets, shifted = posed.on_sets, posed.shifted
     found = 0
     for c in range(n):
         k = contact[first + c]
@@ -121,9 +123,9 @@ def describe_contacts(work: Workspace, i: int) -> None:
         problem.pair[c] = table.law[k]
         problem.terms[c] = terms[k]
         if on_sets == 1:
-            problem.mode[c] = work.posed.mode[k]
+            problem.mode[c] = posed.mode[k]
         if shifted == 1:
-            problem.least[c] = work.posed.least[k]
+            problem.least[c] = posed.least[k]
         j = tangent_of[k]
         if j >= 0:
             part[n + found] = all_contacts + j

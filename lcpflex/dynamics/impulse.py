@@ -26,18 +26,18 @@ __all__ = ["add_impulses", "answer_joints", "lay_impulse", "pose", "recall_joint
 @kernel
 def measure_free(work: Workspace) -> None:
     """``work.free.v`` and ``work.free.terms`` of the rows laid at ``work.free.u``."""
-    n = work.rows.n_joint + work.rows.n_contacts + work.rows.n_tangents
-    free_velocities(
-        work.rows.J, work.rows.body, work.rows.n_joint, n, work.rows.dof, work.free.u, work.free.v, work.free.terms
-    )
+    rows = work.rows
+    n = rows.n_joint + rows.n_contacts + rows.n_tangents
+    free_velocities(rows.J, rows.body, rows.n_joint, n, rows.dof, work.free.u, work.free.v, work.free.terms)
 
 
 @in_space("lcpflex.dynamics.spatial.delassus")
 @kernel
 def add_impulses(work: Workspace, u: FloatArray) -> None:
     """u += A^-1 W p of all rows laid and their impulses ``work.impulses.p``."""
-    total = work.rows.n_joint + work.rows.n_contacts + work.rows.n_tangents
-    apply_impulses(work.rows.solved, work.rows.body, 0, total, work.impulses.p, work.rows.dof, u)
+    rows = work.rows
+    total = rows.n_joint + rows.n_contacts + rows.n_tangents
+    apply_impulses(rows.solved, rows.body, 0, total, work.impulses.p, rows.dof, u)
 
 
 @kernel
@@ -49,31 +49,32 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
     linearisation. Normal velocity below ``velocity_threshold`` [m/s] is not reflected (e_N = 0), nor, where there is
     one, that of a contact that goes on.
     """
-    n_joint = work.rows.n_joint
-    n = work.rows.n_contacts
-    n_tangent = work.rows.n_tangents
+    rows, free = work.rows, work.free
+    n_joint = rows.n_joint
+    n = rows.n_contacts
+    n_tangent = rows.n_tangents
     total = n_joint + n + n_tangent
     measure_free(work)
     if lead > 0.0:
         for r in range(total):
-            work.free.v[r] += lead * work.rows.bias[r]
+            free.v[r] += lead * rows.bias[r]
     for r in range(n_joint):
-        work.free.v[r] += work.rows.rate[r]
+        free.v[r] += rows.rate[r]
     for k in range(n):
-        law = work.rows.table.law[k]
+        law = rows.table.law[k]
         e_n = model.contacts.restitution[law]
         if e_n > 0.0:
-            before = row_velocity(work.rows.J, work.rows.body, n_joint + k, work.rows.dof, u_before)
+            before = row_velocity(rows.J, rows.body, n_joint + k, rows.dof, u_before)
             if abs(before) > velocity_threshold:
                 if not (velocity_threshold > 0.0 and goes_on(work, k, before)):
-                    work.free.v[n_joint + k] += e_n * before
+                    free.v[n_joint + k] += e_n * before
             else:
                 work.impulses.stopped = max(work.impulses.stopped, -before)
     for j in range(n_tangent):
-        e_t = model.contacts.tangential_restitution[work.rows.table.law[work.rows.tangent[j]]]
+        e_t = model.contacts.tangential_restitution[rows.table.law[rows.tangent[j]]]
         if e_t > 0.0:
             r = n_joint + n + j
-            work.free.v[r] += e_t * row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u_before)
+            free.v[r] += e_t * row_velocity(rows.J, rows.body, r, rows.dof, u_before)
     lay_contacts(work)
     prepare_large(model, work)
 

@@ -52,26 +52,17 @@ def supply(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace
 @kernel
 def forces(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> None:
     """All generalised forces but constraint ones: by kind in conservative, dissipative, driving; their sum in total."""
+    free = work.free
     n = len(q)
     for i in range(n):
-        work.free.conservative[i] = 0.0
-        work.free.dissipative[i] = 0.0
-        work.free.driving[i] = 0.0
-    inertial_forces(model.bodies, model.loads, q, u, work.free.conservative)
-    elastic_forces(model.bodies, q, u, work.free.conservative, work.free.dissipative)
-    applied_forces(
-        model,
-        t,
-        q,
-        u,
-        work.free.span,
-        work.free.external,
-        work.free.conservative,
-        work.free.dissipative,
-        work.free.driving,
-    )
+        free.conservative[i] = 0.0
+        free.dissipative[i] = 0.0
+        free.driving[i] = 0.0
+    inertial_forces(model.bodies, model.loads, q, u, free.conservative)
+    elastic_forces(model.bodies, q, u, free.conservative, free.dissipative)
+    applied_forces(model, t, q, u, free.span, free.external, free.conservative, free.dissipative, free.driving)
     for i in range(n):
-        work.free.total[i] = work.free.conservative[i] + work.free.dissipative[i] + work.free.driving[i]
+        free.total[i] = free.conservative[i] + free.dissipative[i] + free.driving[i]
 
 
 @in_space("lcpflex.dynamics.spatial.mechanics")

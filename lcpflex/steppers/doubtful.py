@@ -20,37 +20,42 @@ COUPLED = 0.5  # mu |G_NT| / G_NN of a contact from which on its problems are lo
 @kernel
 def keep_doubtful(work: Workspace, t: float) -> None:
     """Keep the contact problem just solved, of the step from time ``t`` [s], where it may have several solutions."""
-    n, n_tangents = work.posed.problem.n_contacts, work.posed.problem.n_tangents
+    problem = work.posed.problem
+    n, n_tangents = problem.n_contacts, problem.n_tangents
     if n_tangents == 0 or n > DOUBTFUL_CONTACTS:
         return
-    kind = n
-    coupled = False
-    place = work.posed.problem.key[0] % DOUBTFUL_KINDS
     for j in range(n_tangents):
-        k = work.posed.problem.tangent[j]
-        c = work.posed.problem.friction[k] * abs(work.posed.problem.delassus[k, n + j])
-        coupled = coupled or c > COUPLED * work.posed.problem.delassus[k, k]
-        kind = 2 * kind + (1 if c > work.posed.problem.delassus[k, k] else 0)
-    if not coupled:
-        work.impulses.doubtful_kind[place] = 0
-        return
-    for k in range(n):
-        kind = (
-            4 * kind
-            + (2 if work.posed.problem.free[k] < 0.0 else 0)
-            + (1 if work.impulses.solver.normal[k] > 0.0 else 0)
-        )
-    for j in range(n_tangents):
-        kind = 4 * kind + motion_of(work.posed.problem, work.impulses.solver, j)
-    if kind == work.impulses.doubtful_kind[place]:
-        return
-    work.impulses.doubtful_kind[place] = kind
-    if work.impulses.n_doubtful < len(work.impulses.doubtful):
-        write_problem(work, t, work.impulses.doubtful[work.impulses.n_doubtful])
-        work.impulses.n_doubtful += 1
+        k = problem.tangent[j]
+        if problem.friction[k] * abs(problem.delassus[k, n + j]) > COUPLED * problem.delassus[k, k]:
+            keep_coupled(work, t)
+            return
+    work.impulses.doubtful_kind[problem.key[0] % DOUBTFUL_KINDS] = 0
 
 
 @late_kernel
+def keep_coupled(work: Workspace, t: float) -> None:
+    """The same where friction couples the motions of a contact: kept if it is of another kind than the one before."""
+    problem, impulses = work.posed.problem, work.impulses
+    n, n_tangents = problem.n_contacts, problem.n_tangents
+    kind = n
+    for j in range(n_tangents):
+        k = problem.tangent[j]
+        c = problem.friction[k] * abs(problem.delassus[k, n + j])
+        kind = 2 * kind + (1 if c > problem.delassus[k, k] else 0)
+    for k in range(n):
+        kind = 4 * kind + (2 if problem.free[k] < 0.0 else 0) + (1 if impulses.solver.normal[k] > 0.0 else 0)
+    for j in range(n_tangents):
+        kind = 4 * kind + motion_of(problem, impulses.solver, j)
+    place = problem.key[0] % DOUBTFUL_KINDS
+    if kind == impulses.doubtful_kind[place]:
+        return
+    impulses.doubtful_kind[place] = kind
+    if impulses.n_doubtful < len(impulses.doubtful):
+        write_problem(work, t, impulses.doubtful[impulses.n_doubtful])
+        impulses.n_doubtful += 1
+
+
+@kernel
 def write_problem(work: Workspace, t: float, row: FloatArray) -> None:
     """Time, sizes, laws, friction, free velocities, Delassus operator and forces, one after the other."""
     n = work.posed.problem.n_contacts

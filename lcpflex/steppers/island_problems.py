@@ -158,27 +158,25 @@ def shorten_forces(work: Workspace) -> bool:
         if is_large(work, islands.shortened):
             if not shorten_large(work, islands.shortened):
                 return False
-        else:
+        elif islands.start[islands.shortened + 1] - islands.start[islands.shortened] > 1:
             shorten_dense(work, islands.shortened)
         islands.shortened += 1
     return True
 
 
-@kernel
+@late_kernel
 def shorten_dense(work: Workspace, i: int) -> None:
-    """The same of island i as one dense problem."""
-    islands, n_joint = work.posed.islands, work.rows.n_joint
-    n = islands.start[i + 1] - islands.start[i]
-    if n < 2:
-        return
+    """The same of island i, of several contacts, as one dense problem."""
+    islands, p, multipliers = work.posed.islands, work.impulses.p, work.scratch.multipliers
     if islands.count > 1:
         pose_island(work, i)
-    m = n + work.posed.problem.n_tangents
+    problem, part, n_joint = work.posed.problem, work.posed.part, work.rows.n_joint
+    m = problem.n_contacts + problem.n_tangents
     for r in range(m):
-        work.scratch.multipliers[r] = work.impulses.p[n_joint + work.posed.part[r]]
-    least_forces(work.posed.problem, work.impulses.solver, work.scratch.multipliers)
+        multipliers[r] = p[n_joint + part[r]]
+    least_forces(problem, work.impulses.solver, multipliers)
     for r in range(m):
-        work.impulses.p[n_joint + work.posed.part[r]] = work.scratch.multipliers[r]
+        p[n_joint + part[r]] = multipliers[r]
 
 
 @late_kernel

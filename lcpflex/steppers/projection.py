@@ -64,32 +64,33 @@ def hold_contacts(step: float, tolerance: float, stay: float, active: bool, work
     ``work.free.u`` holds u+. A pair closes somewhere within its step, up to h |gdot| / 2 deep. To lift it from there
     would do work; to let it sink further, step by step over a curved surface, would have no bound.
     """
-    n_joint = work.rows.n_joint
+    rows, impulses = work.rows, work.impulses
+    n_joint = rows.n_joint
     m = 0
     held = 0
     found = 0
-    for k in range(work.rows.n_contacts):
+    for k in range(rows.n_contacts):
         work.scratch.sunk[k] = 0.0
-        gap = work.rows.table.gap[k]
+        gap = rows.table.gap[k]
         recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -gap)
-        if work.impulses.p[n_joint + k] <= 0.0:
+        if impulses.p[n_joint + k] <= 0.0:
             continue
-        before = entry_of(work.impulses.held_key[0], work.impulses.n_held, work.rows.table.key[k], found)
+        before = entry_of(impulses.held_key[0], impulses.n_held, rows.table.key[k], found)
         found = before + 1 if before >= 0 else found
         target = held_at(work, k, before)
-        leaving = row_velocity(work.rows.J, work.rows.body, n_joint + k, work.rows.dof, work.free.u)
+        leaving = row_velocity(rows.J, rows.body, n_joint + k, rows.dof, work.free.u)
         if leaving * step > stay - gap:
             continue
-        work.impulses.held_key[1, held] = work.rows.table.key[k]
-        work.impulses.held_gap[1, held] = target
+        impulses.held_key[1, held] = rows.table.key[k]
+        impulses.held_gap[1, held] = target
         held += 1
         if active and gap < target - tolerance:
             work.scratch.sunk[k] = gap - target
             m += 1
     for i in range(held):
-        work.impulses.held_key[0, i] = work.impulses.held_key[1, i]
-        work.impulses.held_gap[0, i] = work.impulses.held_gap[1, i]
-    work.impulses.n_held = held
+        impulses.held_key[0, i] = impulses.held_key[1, i]
+        impulses.held_gap[0, i] = impulses.held_gap[1, i]
+    impulses.n_held = held
     return m
 
 
@@ -113,16 +114,17 @@ def project_contacts(
 
 
 @in_space("lcpflex.steppers.spatial.projection")
-@kernel
+@late_kernel
 def lift_island(model: Model, work: Workspace, i: int, q: FloatArray) -> bool:
     """Lift the sunk contacts of island i; whether there were any, and it could be done."""
+    scratch = work.scratch
     islands = work.posed.islands
     first = islands.start[i]
     m = 0
     for c in range(islands.start[i + 1] - first):
-        if work.scratch.sunk[islands.contact[first + c]] != 0.0:
-            work.scratch.closed[m] = c
-            work.scratch.drift[m] = work.scratch.sunk[islands.contact[first + c]]
+        if scratch.sunk[islands.contact[first + c]] != 0.0:
+            scratch.closed[m] = c
+            scratch.drift[m] = scratch.sunk[islands.contact[first + c]]
             m += 1
     if m == 0:
         return False
@@ -130,12 +132,12 @@ def lift_island(model: Model, work: Workspace, i: int, q: FloatArray) -> bool:
         return lift_large_island(model, work, i, m, q)
     if islands.count > 1:
         pose_island(work, i)
-    if solve_normals(work.posed.problem, work.scratch.closed, work.scratch.drift, m, work.impulses.solver) != 0:
+    if solve_normals(work.posed.problem, scratch.closed, scratch.drift, m, work.impulses.solver) != 0:
         return False
     for c in range(m):
-        r = work.rows.n_joint + islands.contact[first + work.scratch.closed[c]]
-        work.scratch.multipliers[r] = work.scratch.drift[c]
-        displace(model, work.rows, r, r + 1, work.scratch.multipliers, q)
+        r = work.rows.n_joint + islands.contact[first + scratch.closed[c]]
+        scratch.multipliers[r] = scratch.drift[c]
+        displace(model, work.rows, r, r + 1, scratch.multipliers, q)
     return True
 
 

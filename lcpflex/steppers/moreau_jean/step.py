@@ -74,36 +74,37 @@ def find_closed(model: Model, q: FloatArray, tolerance: float, table: ContactTab
 @kernel
 def predict(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace) -> int:
     """First half of a step: free motion, closed contacts, and the problem they pose. Returns the contacts found."""
+    free, rows = work.free, work.rows
     q, u, h = scheme.q, scheme.u, scheme.step
     lean = scheme.theta * h
-    advance(model, q, u, lean, work.free.middle)
-    advance(model, q, u, scheme.activation * h, work.free.ahead)
+    advance(model, q, u, lean, free.middle)
+    advance(model, q, u, scheme.activation * h, free.ahead)
     within = held_within(scheme) if work.impulses.n_held > 0 else scheme.gap_tolerance
-    n = find_closed(model, work.free.ahead, within, work.rows.table)
-    if n > len(work.rows.table.key):
+    n = find_closed(model, free.ahead, within, rows.table)
+    if n > len(rows.table.key):
         return n
     if within > scheme.gap_tolerance:
         n = keep_closed(scheme.gap_tolerance, n, work)
     if scheme.activation != scheme.theta:
         for k in range(n):
-            refresh(model, work.free.middle, work.rows.table, k)
-    supply(model, t + lean, work.free.middle, u, work)
-    forces(model, t + lean, work.free.middle, u, work)
-    factorise(model, work.free.middle, lean, lean * lean, work)
-    add_balanced_forces(model, t + lean, work.free.middle, u, h, work)
+            refresh(model, free.middle, rows.table, k)
+    supply(model, t + lean, free.middle, u, work)
+    forces(model, t + lean, free.middle, u, work)
+    factorise(model, free.middle, lean, lean * lean, work)
+    add_balanced_forces(model, t + lean, free.middle, u, h, work)
     spare_spin(model, lean, u, work)
     for i in range(len(u)):
-        work.free.u[i] = h * work.free.total[i]
-    solve_vector(model, work, work.free.u)
+        free.u[i] = h * free.total[i]
+    solve_vector(model, work, free.u)
     for i in range(len(u)):
-        work.free.u[i] += u[i]
+        free.u[i] += u[i]
     n_joint = len(work.scratch.residual)
     if n_joint > 0:
-        fill_joint_rows(model, t + lean, work.free.middle, u, work.free.external, work.rows)
-    n_tangent = fill_contact_rows(model, work.free.middle, n, n_joint, work.rows)
-    contact_biases(model, work.free.middle, u, n, n_tangent, n_joint, work.rows)
-    solve_rows(model, work.rows, 0, n_joint + n + n_tangent)
-    count_rows(work.rows, n_joint, n, n_tangent)
+        fill_joint_rows(model, t + lean, free.middle, u, free.external, rows)
+    n_tangent = fill_contact_rows(model, free.middle, n, n_joint, rows)
+    contact_biases(model, free.middle, u, n, n_tangent, n_joint, rows)
+    solve_rows(model, rows, 0, n_joint + n + n_tangent)
+    count_rows(rows, n_joint, n, n_tangent)
     pose(model, work, u, (1.0 - scheme.theta) * h, scheme.velocity_threshold)
     if not turn_on(model, scheme.gyroscopic, h, u, work):
         scheme.unsettled += 1
@@ -144,41 +145,40 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, rec
 
     ``work.free.u`` holds u+. Work of an impulse p on a row: p (w . u + w . u+)/2.
     """
+    rows, free, counts = work.rows, work.free, recorder.counts
     u = scheme.u
-    n_joint = work.rows.n_joint
+    n_joint = rows.n_joint
     half = 0.5 * scheme.step
     for i in range(len(u)):
-        both = u[i] + work.free.u[i]
-        recorder.counts.lost_damping -= half * work.free.dissipative[i] * both
-        recorder.counts.supplied += half * work.free.driving[i] * both
+        both = u[i] + free.u[i]
+        counts.lost_damping -= half * free.dissipative[i] * both
+        counts.supplied += half * free.driving[i] * both
     contacts = work.compliant
     note_touches(contacts, scheme.step)
     for i in range(len(contacts.friction)):
-        lost = half * contacts.friction[i] * (u[i] + work.free.u[i])
-        recorder.counts.lost_friction -= lost
-        recorder.counts.lost_damping += lost
+        lost = half * contacts.friction[i] * (u[i] + free.u[i])
+        counts.lost_friction -= lost
+        counts.lost_damping += lost
     told = contacts.rows.n_contacts > 0 and all_indent(recorder)
     for k in range(contacts.rows.n_contacts):
         both = contacts.rate[k]
-        both += row_velocity(
-            contacts.rows.J, contacts.rows.body, contacts.rows.n_joint + k, contacts.rows.dof, work.free.u
-        )
+        both += row_velocity(contacts.rows.J, contacts.rows.body, contacts.rows.n_joint + k, contacts.rows.dof, free.u)
         lost = half * (contacts.p[k, 0] - contacts.elastic[k]) * both
-        recorder.counts.lost_impacts -= lost
-        recorder.counts.lost_damping += lost
+        counts.lost_impacts -= lost
+        counts.lost_damping += lost
         if told:
-            recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -contacts.rows.table.gap[k])
+            counts.worst_penetration = max(counts.worst_penetration, -contacts.rows.table.gap[k])
         add_compliant_impulse(contacts, k, scheme.step, recorder)
     for r in range(n_joint):
         p = work.impulses.p[r]
-        if p != 0.0 and work.rows.rate[r] != 0.0:
-            before = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u)
-            after = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, work.free.u)
-            recorder.counts.supplied += 0.5 * p * (before + after)
+        if p != 0.0 and rows.rate[r] != 0.0:
+            before = row_velocity(rows.J, rows.body, r, rows.dof, u)
+            after = row_velocity(rows.J, rows.body, r, rows.dof, free.u)
+            counts.supplied += 0.5 * p * (before + after)
     gained = audit_contacts(u, work, recorder)
     note_gain(recorder, t, gained)
     if len(recorder.reactions.impulse) > 0:
-        hit = work.rows.n_contacts > 0 and struck(model, scheme, work, recorder.reactions)
+        hit = rows.n_contacts > 0 and struck(model, scheme, work, recorder.reactions)
         note_step(model, work, scheme.step, hit, recorder.reactions)
 
 
@@ -186,14 +186,15 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, rec
 @kernel
 def audit_contacts(u: FloatArray, work: Workspace, recorder: Recorder) -> float:
     """Add the work and the impulses of all contact rows to the recorder; what their impulses gained [J]."""
-    n_joint, n = work.rows.n_joint, work.rows.n_contacts
+    rows = work.rows
+    n_joint, n = rows.n_joint, rows.n_contacts
     gained = 0.0
-    for r in range(n_joint, n_joint + n + work.rows.n_tangents):
+    for r in range(n_joint, n_joint + n + rows.n_tangents):
         p = work.impulses.p[r]
         if p == 0.0:
             continue
-        before = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u)
-        after = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, work.free.u)
+        before = row_velocity(rows.J, rows.body, r, rows.dof, u)
+        after = row_velocity(rows.J, rows.body, r, rows.dof, work.free.u)
         done = 0.5 * p * (before + after)
         gained += done
         if r < n_joint + n:
@@ -266,24 +267,23 @@ def record_impulses(model: Model, scheme: Any, t: float, work: Workspace, record
 @kernel
 def note_impulses(model: Model, q: FloatArray, u: FloatArray, step: float, work: Workspace, recorder: Recorder) -> None:
     """Add the touching points of the step to the instant about to be stored."""
-    n_joint = work.rows.n_joint
-    n = work.rows.n_contacts
+    rows = work.rows
+    n_joint = rows.n_joint
+    n = rows.n_contacts
     tangent = 0
     for k in range(n):
         p_t = 0.0
         slip = 1.0
-        if tangent < work.rows.n_tangents and work.rows.tangent[tangent] == k:
+        if tangent < rows.n_tangents and rows.tangent[tangent] == k:
             r = n_joint + n + tangent
             p_t = work.impulses.p[r]
-            slip = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, u)
+            slip = row_velocity(rows.J, rows.body, r, rows.dof, u)
             tangent += 1
         p_n = work.impulses.p[n_joint + k]
         if p_n > 0.0:
-            state = friction_state(p_n, abs(p_t), work.rows.mu[k], abs(slip), STICKING_SPEED)
-            place = contact_point(model, q, work.rows.table, k)
-            note_contact(
-                recorder, work.rows.table.law[k], place, work.rows.table.normal[k], p_n / step, p_t / step, state
-            )
+            state = friction_state(p_n, abs(p_t), rows.mu[k], abs(slip), STICKING_SPEED)
+            place = contact_point(model, q, rows.table, k)
+            note_contact(recorder, rows.table.law[k], place, rows.table.normal[k], p_n / step, p_t / step, state)
 
 
 @take_step.of(MoreauJeanScheme)
