@@ -1,7 +1,7 @@
 """Nonsmooth Gauss-Seidel iteration for Coulomb friction, contact by contact, in the plane and in space.
 
 The law of one contact, with the forces of all others held, is solved exactly (:mod:`lcpflex.solvers.contact.laws`):
-:func:`lcpflex.solvers.contact.block_iteration.sweep`. It needs the Delassus matrix G, or its factor J alone: then
+:func:`lcpflex.solvers.contact.sweeping.sweep`. It needs the Delassus matrix G, or its factor J alone: then
 u = J^T lambda is kept up to date, a contact costs as much as its bodies have coordinates, and memory is linear in the
 contacts. Since the last digits come slowly, in the plane the states found are taken as the active set of the whole
 problem from time to time, which ends the iteration as soon as they are right.

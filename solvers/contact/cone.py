@@ -26,8 +26,14 @@ from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess
 from lcpflex.solvers.clock import out_of_time
-from lcpflex.solvers.contact.clarabel import SHORT_STEP, STEP, SUCCESS, conic_program
-from lcpflex.solvers.contact.cones.conic import RelaxedSpatialProblem, relaxed_solution
+from lcpflex.solvers.contact.cones.conic import (
+    SHORT_STEP,
+    STEP,
+    SUCCESS,
+    RelaxedSpatialProblem,
+    conic_program,
+    relaxed_solution,
+)
 from lcpflex.solvers.contact.matrices import as_dense, is_sparse
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.contact.relaxation import ConvexContactProblem

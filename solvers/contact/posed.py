@@ -16,17 +16,9 @@ from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.problem import Lcp, Solution
 
 __all__ = [
-    "lagging",
-    "measured",
-    "own_pull",
-    "posed_lcp",
-    "posed_problem",
-    "put_solution",
-    "put_tried",
-    "put_wedged",
-    "take_solution",
-    "tried_point",
-]
+    "lagging", "measured", "own_pull", "posed_lcp", "posed_problem", "put_solution", "put_tried", "put_wedged",
+    "take_solution", "tried_point",
+]  # fmt: skip
 
 
 @in_space("lcpflex.solvers.contact.cones.posed")
@@ -105,13 +97,11 @@ def lagging(memory: SolverMemory) -> bool:
     return False  # pivoting comes to rounding in all rows alike
 
 
-@in_space("lcpflex.solvers.contact.cones.posed")
 def put_tried(memory: SolverMemory) -> None:
     """Take the point that the last solve came to as the solution, for when the problem is posed again."""
     memory.known = SOLUTION_KNOWN
 
 
-@in_space("lcpflex.solvers.contact.cones.posed")
 def put_solution(data: ContactData, memory: SolverMemory, solution: Solution) -> None:
     """Leave there what is known to solve the problem, for when it is posed again."""
     take_solution(data, memory, solution)

@@ -6,12 +6,15 @@ looked for; where it is not, a table of slots finds it (open addressing), in a t
 
 from __future__ import annotations
 
+from typing import Any, TypeVar, cast
+
 from lcpflex.jit.kernel import IntArray, kernel
-from lcpflex.jit.struct import allocate
+from lcpflex.jit.struct import allocate, copy_parts
 from lcpflex.solvers.contact.large.memory import BodyContacts
 from lcpflex.solvers.contact.memory import BASIS_KNOWN, SOLUTION_KNOWN, ContactData, Remembered, SolverMemory
 
 __all__ = [
+    "enlarged",
     "fill_slots",
     "place_of",
     "recall_basis",
@@ -21,18 +24,24 @@ __all__ = [
     "turn_over",
 ]
 
+M = TypeVar("M")
+
 FEW = 32  # contacts that are looked through one by one
 
 
 def remembered(capacity: int, before: Remembered | None = None) -> Remembered:
     """Room for so many contacts; what a smaller one holds goes on."""
-    memory = allocate(Remembered, {"contacts": capacity, "slots": 2 * capacity + 1})
+    return enlarged(Remembered, capacity, before)
+
+
+def enlarged(kind: type[M], capacity: int, before: M | None) -> M:
+    """The same of any kind that has ``key`` and ``slot``, in the plane or in space."""
+    memory: Any = allocate(kind, {"contacts": capacity, "slots": 2 * capacity + 1})
     if before is not None:
-        memory.n, memory.now = before.n, before.now
-        for name in ("key", "basis", "force"):
-            getattr(memory, name)[:, : before.key.shape[1]] = getattr(before, name)
+        copy_parts(before, memory)
+        memory.n_next = 0
         fill_slots(memory)
-    return memory
+    return cast(M, memory)
 
 
 @kernel

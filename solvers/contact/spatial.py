@@ -8,6 +8,7 @@ refuse it, and those that know cones take it as it is.
 from __future__ import annotations
 
 from collections.abc import Hashable
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,12 +20,13 @@ from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.balance import NOTHING, Units, contact_units
+from lcpflex.solvers.certificate import guarded_residual, strict_residual
 from lcpflex.solvers.contact.cones.certificate import cone_parts, cone_sizes, weigh_cones
 from lcpflex.solvers.contact.matrices import PosedContacts, in_units_of, is_sparse
 from lcpflex.solvers.problem import Lcp, LcpSolver, Solution
 from lcpflex.solvers.refusals import NO_LCP, check_answer
 
-__all__ = ["SpatialContactProblem"]
+__all__ = ["OtherLaw", "SpatialContactProblem"]
 
 MOST_ENTRIES = 20_000_000  # of the product of a factor, up to which it is multiplied out
 SYMMETRY = 1e-10  # largest |G - G^T| of a symmetric operator, relative to its largest entry
@@ -217,6 +219,62 @@ class SpatialContactProblem(PosedContacts):
 
     def _point(self, name: str, z: npt.ArrayLike) -> FloatArray:
         return point_of(name, z, self.size)
+
+
+@dataclass(frozen=True, slots=True)
+class OtherLaw:
+    """Contacts of a :class:`SpatialContactProblem` under another law than Coulomb's; unknowns are the forces (3 k,).
+
+    Raises ModelError if ``contact`` is something else.
+    """
+
+    contact: SpatialContactProblem
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.contact, SpatialContactProblem):
+            raise ModelError(f"contact is a {type(self.contact).__name__}: expected a SpatialContactProblem")
+
+    @property
+    def size(self) -> int:
+        """Number 3 k of force components."""
+        return self.contact.size
+
+    @property
+    def unknown_keys(self) -> tuple[Hashable, ...]:
+        """Those of the contacts."""
+        return self.contact.unknown_keys
+
+    def slack(self, z: npt.ArrayLike) -> FloatArray:
+        """The velocities (3 k,) under the forces z (3 k,)."""
+        return self.contact.slack(z)
+
+    def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float:
+        """What forces z (3 k,) leave of the law in units of each contact; relative to its terms if ``scaled``.
+
+        inf where they hold NaN or inf. Raises ModelError if z has another shape.
+        """
+        return self.residuals(z)[0] if flag("scaled", scaled) else self._parts(z)[0]
+
+    def residuals(self, z: npt.ArrayLike) -> tuple[float, float]:
+        """The residual of z (3 k,) relative to the terms of the velocities, and to the free velocity alone."""
+        worst, size, load = self._parts(z)
+        return float(guarded_residual(worst, size, load)), float(strict_residual(worst, load))
+
+    def _parts(self, z: npt.ArrayLike) -> tuple[float, float, float]:
+        """What is left, the size of its terms, and that of the free velocities, in units of the contacts."""
+        contact, point = self.contact, point_of("z", z, self.size)
+        _, size, load = contact.residual_parts(point)
+        d = contact.unknown_units.d
+        with np.errstate(all="ignore"):
+            r, u = point / d, contact.slack(point) * d
+            if not (size < np.inf and np.isfinite(r).all() and np.isfinite(u).all()):
+                return np.inf, np.inf, np.inf
+            worst = self._miss(r, u)
+        return (worst, size, load) if worst < np.inf else (np.inf, np.inf, np.inf)
+
+    def _miss(self, r: FloatArray, u: FloatArray) -> float:
+        """The largest component that forces r (3 k,) with velocities u leave of the law, both in units."""
+        raise NotImplementedError
 
 
 def _product(factor: Any) -> Any:

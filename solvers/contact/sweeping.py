@@ -1,27 +1,59 @@
-"""Sweeps with looks between them: until forces are good enough, or sweeps make them no better in good time.
+"""Block Gauss-Seidel with looks between sweeps: each unit solved by itself, exactly, the others as they are.
 
-Where something slides good enough is the tolerance; where all that press stick, forces are polished to rounding if that
-can be had: what rests does not creep. What is to become less is what is left of the whole, or where contacts lag behind
-it, of their own loads.
+The one iteration of all contact problems: in the plane and in space, for any operator and any law. Sources: Jean 1999
+(nonsmooth contact dynamics); Jourdan, Alart & Jean 1998; Bonnefon & Daviet 2011 (the exact law of one contact).
+
+Sweeps go on until forces are good enough, or sweeps make them no better in good time. Where something slides good
+enough is the tolerance; where all that press stick, forces are polished to rounding if that can be had: what rests does
+not creep. What is to become less is what is left of the whole, or where contacts lag behind it, of their own loads.
 """
 
 from __future__ import annotations
 
+import numpy as np
+
 from lcpflex.jit.kernel import kernel
 from lcpflex.jit.struct import struct
 from lcpflex.solvers.certificate import ROUNDED, ROUNDING
-from lcpflex.solvers.contact.algebra import Vector
+from lcpflex.solvers.contact.algebra import Vector, less, put, size_of, taken
 from lcpflex.solvers.contact.best import Best, keep_best
-from lcpflex.solvers.contact.block_iteration import sweep
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.judging import Judged, is_exact, is_good, judge, lags, weigh
-from lcpflex.solvers.contact.operators import Operator
+from lcpflex.solvers.contact.laws import solve
+from lcpflex.solvers.contact.operators import Operator, push, velocity
 
-__all__ = ["Sweeping", "left_over", "sweep_on"]
+__all__ = ["Sweeping", "left_over", "sweep", "sweep_on"]
 
 SETTLED = 5e-14  # of the free velocities: what is left where nothing creeps, unless it is rounding of the terms
 POLISHED = 3e-16  # sweeps that are made end there: those of the next step, which is like this one, are spared
 WITHIN = 0.1  # of the tolerance: the change of a force below which a sweep is the last one before a look
+
+
+@kernel
+def sweep(op: Operator, group: Group, like: Vector, count: int, target: float) -> tuple[int, float]:
+    """Up to ``count`` sweeps over all units; how many were made, and the largest change of a force in the last one.
+
+    Forces and what the operator keeps of their effect (:func:`lcpflex.solvers.contact.operators.begin`) are advanced in
+    place. Ends early once the change, in units of the contacts, is ``target`` or less. inf: a contact that no force of
+    its own keeps apart, which the others may help.
+    """
+    p, unit, made, change = group.p, group.unit, 0, np.inf
+    while made < count and change > target:
+        change = 0.0
+        for k in range(group.n):
+            old = taken(p, k, like)
+            new, found = solve(group, k, velocity(op, group, k, like), old)
+            if not found:
+                change = np.inf
+                continue
+            d = less(new, old)
+            size = size_of(d)
+            if size != 0.0:
+                change = max(change, size / unit[k])
+                put(p, k, new)
+                push(op, group, k, d)
+        made += 1
+    return made, change
 
 
 @struct

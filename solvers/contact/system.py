@@ -16,7 +16,6 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate
 from lcpflex.solvers.contact.active_set import states_of
 from lcpflex.solvers.contact.algebra import IN_SPACE, PLANAR, Vector, add_sparse_row, put, sparse_dot
-from lcpflex.solvers.contact.block_iteration import sweep
 from lcpflex.solvers.contact.coupling import ConeBlocks
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.laws import COULOMB
@@ -26,6 +25,7 @@ from lcpflex.solvers.contact.operators import Operator, begin, velocity
 from lcpflex.solvers.contact.operators.blocks import Blocks
 from lcpflex.solvers.contact.operators.dense import Dense
 from lcpflex.solvers.contact.operators.factor import Factor
+from lcpflex.solvers.contact.sweeping import sweep
 from lcpflex.solvers.refusals import has_cones
 
 __all__ = ["FEW", "MOST_DENSE", "SIZES", "ContactSystem", "Storage", "storage_of"]

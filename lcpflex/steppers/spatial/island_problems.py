@@ -20,10 +20,11 @@ from lcpflex.dynamics.spatial.shared_loads import judge_forces, put_forces, shar
 from lcpflex.jit.kernel import kernel, late_kernel
 from lcpflex.solvers.contact.algebra import IN_SPACE
 from lcpflex.solvers.contact.cones.dense import FIRST_SWEEPS, solve_cones, tell
-from lcpflex.solvers.contact.cones.memory import NOTHING_KNOWN, POSED
+from lcpflex.solvers.contact.cones.memory import POSED
 from lcpflex.solvers.contact.cones.recollection import keep_force, known_force
 from lcpflex.solvers.contact.judging import is_good, lags
 from lcpflex.solvers.contact.large.solving import ROOM, solve_large as solve_many
+from lcpflex.solvers.contact.memory import NOTHING_KNOWN
 from lcpflex.solvers.contact.operators.fronts import lacks_room
 from lcpflex.solvers.contact.recollection import place_of, turn_over
 from lcpflex.solvers.status import SOLVED

@@ -10,7 +10,6 @@ friction problem via convex optimization).
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -18,25 +17,28 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics import libs
-from lcpflex.basics.arguments import flag, point_of
 from lcpflex.basics.blas import one_thread
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess
-from lcpflex.solvers.certificate import guarded_residual, strict_residual
-from lcpflex.solvers.clock import out_of_time
-from lcpflex.solvers.contact.clarabel import SUCCESS, conic_program
+from lcpflex.solvers.clock import limited, out_of_time, remaining
 from lcpflex.solvers.contact.cones.certificate import nearest_in_cone
 from lcpflex.solvers.contact.matrices import is_sparse
-from lcpflex.solvers.contact.spatial import SpatialContactProblem
+from lcpflex.solvers.contact.spatial import OtherLaw, SpatialContactProblem
 from lcpflex.solvers.contact.starts import started
-from lcpflex.solvers.guard import guarded
+from lcpflex.solvers.guard import guarded, words_of
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, restored
 from lcpflex.solvers.refusals import only_cones
 
-__all__ = ["ConicFixedPoint", "ConicProgram", "RelaxedSpatialProblem", "relaxed_miss", "relaxed_solution"]
+__all__ = [
+    "SHORT_STEP", "STEP", "SUCCESS", "ConicFixedPoint", "ConicProgram", "RelaxedSpatialProblem", "conic_program",
+    "relaxed_miss", "relaxed_solution",
+]  # fmt: skip
 
+SUCCESS = ("Solved", "AlmostSolved")
+ACCURACY = 1e-12  # asked of Clarabel: near what it can reach in double precision
+STEP, SHORT_STEP = 0.99, 0.9  # of the way to the edge of a cone; shorter ones seldom get stuck in rounding
 LARGEST = 1200  # force components up to which Newton steps with a dense matrix take out what Clarabel leaves
 STEPS = 12  # of Newton
 REGULARISED = 1e-10  # of the diagonal: what the Jacobian alone is given, as G is singular where supports are redundant
@@ -46,6 +48,43 @@ NEAR = 1e-2  # residual from which a program is near enough to the last one for 
 ROUNDED = 1e-13  # what they may leave of the natural map, relative to the load
 STALLED = 10  # passes without a better point that end the iteration
 BETTER = 0.9  # of the least residual
+
+
+def conic_program(
+    P: Any, B: Any, c: FloatArray, smooth: int, rows: int, step: float = STEP
+) -> tuple[FloatArray, int, str]:
+    """x (m,), the iterations and what Clarabel says of it.
+
+    P (m, m) symmetric; or None and B (m, k) with P = B B^T: then min 1/2 |y|^2 with B y + c in the dual cones is
+    solved, which never forms P, and x is its multiplier. The first ``smooth`` unknowns are >= 0, the others in cones
+    of so many ``rows`` each. step: how far an iteration may go, of the way to the edge of a cone.
+    """
+    m = len(c)
+    cones = [libs.clarabel.NonnegativeConeT(smooth)] if smooth else []
+    cones += [libs.clarabel.SecondOrderConeT(rows)] * ((m - smooth) // rows)
+    settings = libs.clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.max_step_fraction = step
+    settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = ACCURACY
+    if limited():
+        settings.time_limit = max(remaining(), 1e-6)
+    if B is None:
+        squares = libs.sparse.triu(libs.sparse.csc_matrix(P), format="csc")
+        A = -libs.sparse.identity(m, format="csc")
+        objective, bound = c, np.zeros(m)
+    else:
+        squares, A = libs.sparse.identity(B.shape[1], format="csc"), -libs.sparse.csc_matrix(B)
+        objective, bound = np.zeros(B.shape[1]), c
+    try:
+        found = libs.clarabel.DefaultSolver(squares, objective, A, bound, cones, settings).solve()
+    except (KeyboardInterrupt, SystemExit):
+        raise
+    except BaseException as error:  # a panic in Rust is no Exception; what it says is passed on
+        return np.full(m, np.nan), 0, words_of(error)
+    said = str(found.status)
+    if B is not None and said == "PrimalInfeasible":  # the dual program is named from its own side
+        said = "DualInfeasible"
+    return np.array(found.x if B is None else found.z), int(found.iterations), said
 
 
 @kernel
@@ -189,44 +228,13 @@ def _step(G: FloatArray, miss: FloatArray, slope: FloatArray, n: int) -> FloatAr
     return np.asarray(step)
 
 
-@dataclass(frozen=True, slots=True)
-class RelaxedSpatialProblem:
+class RelaxedSpatialProblem(OtherLaw):
     """The relaxed law K ∋ r _|_ G r + free ∈ K* for the contacts of a :class:`SpatialContactProblem`.
 
-    Unknowns are the forces (3 k,). Raises ModelError if ``contact`` is something else.
+    Its residual is the largest component of r' - P_K(r' - u') in units of each contact.
     """
 
-    contact: SpatialContactProblem
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.contact, SpatialContactProblem):
-            raise ModelError(f"contact is a {type(self.contact).__name__}: expected a SpatialContactProblem")
-
-    @property
-    def size(self) -> int:
-        """Number 3 k of force components."""
-        return self.contact.size
-
-    @property
-    def unknown_keys(self) -> tuple[Hashable, ...]:
-        """Those of the contacts."""
-        return self.contact.unknown_keys
-
-    def slack(self, z: npt.ArrayLike) -> FloatArray:
-        """The velocities (3 k,) under the forces z (3 k,)."""
-        return self.contact.slack(z)
-
-    def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float:
-        """The largest component of r' - P_K(r' - u') in units of each contact; relative to its terms if ``scaled``.
-
-        z (3 k,): the forces; inf where they hold NaN or inf. Raises ModelError if z has another shape.
-        """
-        return self.residuals(z)[0] if flag("scaled", scaled) else self._parts(z)[0]
-
-    def residuals(self, z: npt.ArrayLike) -> tuple[float, float]:
-        """The residual of z (3 k,) relative to the terms of the velocities, and to the free velocity alone."""
-        worst, size, load = self._parts(z)
-        return float(guarded_residual(worst, size, load)), float(strict_residual(worst, load))
+    __slots__ = ()
 
     def lift(self, z: npt.ArrayLike) -> float:
         """Largest u_N of the contacts that forces z (3 k,) press: 0 if Coulomb's law holds too; in units of free."""
@@ -234,18 +242,9 @@ class RelaxedSpatialProblem:
         chosen = pressed > PRESSED * np.abs(pressed).max(initial=0.0)
         return float(self.slack(z)[::3][chosen].max(initial=0.0))
 
-    def _parts(self, z: npt.ArrayLike) -> tuple[float, float, float]:
-        """What is left, the size of its terms, and that of the free velocities, in units of the contacts."""
-        contact, point = self.contact, point_of("z", z, self.size)
-        _, size, load = contact.residual_parts(point)
-        d = contact.unknown_units.d
-        with np.errstate(all="ignore"):
-            r, u = point / d, contact.slack(point) * d
-        if not (size < np.inf and np.isfinite(r).all() and np.isfinite(u).all()):
-            return np.inf, np.inf, np.inf
-        miss, slope = np.empty(self.size), np.empty((self.size, 3))
-        worst = float(relaxed_miss(r, u, contact._data[2], len(contact.friction), miss, slope))
-        return (worst, size, load) if worst < np.inf else (np.inf, np.inf, np.inf)
+    def _miss(self, r: FloatArray, u: FloatArray) -> float:
+        contact, miss, slope = self.contact, np.empty(self.size), np.empty((self.size, 3))
+        return float(relaxed_miss(r, u, contact._data[2], len(contact.friction), miss, slope))
 
 
 def relaxed_solution(contact: SpatialContactProblem) -> tuple[FloatArray, int, str]:

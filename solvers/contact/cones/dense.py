@@ -7,15 +7,10 @@ from lcpflex.solvers.balance import DEAD, contact_units
 from lcpflex.solvers.certificate import ROUNDING, terms_residual
 from lcpflex.solvers.contact.algebra import IN_SPACE
 from lcpflex.solvers.contact.best import copy_forces
-from lcpflex.solvers.contact.cones.memory import (
-    NOTHING_KNOWN,
-    SOLUTION_KNOWN,
-    WEDGED_KNOWN,
-    SpatialContactData,
-    SpatialSolverMemory,
-)
+from lcpflex.solvers.contact.cones.memory import SpatialContactData, SpatialSolverMemory
 from lcpflex.solvers.contact.judging import FLOOR, is_good, lags, measure_loads, weigh
 from lcpflex.solvers.contact.laws import COULOMB
+from lcpflex.solvers.contact.memory import NOTHING_KNOWN, SOLUTION_KNOWN, WEDGED_KNOWN
 from lcpflex.solvers.contact.strategy import conclude, find, serve_lagging
 from lcpflex.solvers.contact.sweeping import sweep_on
 from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED

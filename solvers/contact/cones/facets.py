@@ -11,19 +11,16 @@ cos(pi / m) of what Coulomb's law does.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from lcpflex.basics.arguments import flag, point_of, whole_number
+from lcpflex.basics.arguments import whole_number
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess
-from lcpflex.solvers.certificate import guarded_residual, strict_residual
 from lcpflex.solvers.contact.matrices import check_dense
-from lcpflex.solvers.contact.spatial import SpatialContactProblem
+from lcpflex.solvers.contact.spatial import OtherLaw, SpatialContactProblem
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.lcp.lemke import Lemke
 from lcpflex.solvers.limits import keep_settings
@@ -36,52 +33,25 @@ MOST = 1000  # directions
 
 
 @dataclass(frozen=True, slots=True)
-class FacetedContactProblem:
+class FacetedContactProblem(OtherLaw):
     """The contacts of a :class:`SpatialContactProblem` with a faceted friction cone.
 
-    Unknowns are the forces (3 k,). directions: m, an even number from 4 on. Raises ModelError for anything else.
+    Unknowns are the forces (3 k,). directions: m, an even number from 4 on. Raises ModelError for anything else. Its
+    residual is the largest of |min(r'_N, u'_N)| and |r'_T - P(r'_T - u'_T)|, P the projection on the polygon of
+    mu r'_N, in units of each contact.
     """
 
-    contact: SpatialContactProblem
     directions: int = 8
 
     def __post_init__(self) -> None:
-        if not isinstance(self.contact, SpatialContactProblem):
-            raise ModelError(f"contact is a {type(self.contact).__name__}: expected a SpatialContactProblem")
+        OtherLaw.__post_init__(self)
         object.__setattr__(self, "directions", _checked(self.directions))
-
-    @property
-    def size(self) -> int:
-        """Number 3 k of force components."""
-        return self.contact.size
-
-    @property
-    def unknown_keys(self) -> tuple[Hashable, ...]:
-        """Those of the contacts."""
-        return self.contact.unknown_keys
 
     @property
     def corners(self) -> FloatArray:
         """D (2, m): the directions of the corners."""
         angle = 2.0 * np.pi * np.arange(self.directions) / self.directions
         return np.array([np.cos(angle), np.sin(angle)])
-
-    def slack(self, z: npt.ArrayLike) -> FloatArray:
-        """The velocities (3 k,) under the forces z (3 k,)."""
-        return self.contact.slack(z)
-
-    def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float:
-        """How far forces z (3 k,) are from obeying the faceted law; relative to its terms if ``scaled``.
-
-        The largest of |min(r'_N, u'_N)| and |r'_T - P(r'_T - u'_T)|, P the projection on the polygon of mu r'_N, in
-        units of each contact. inf where z holds NaN or inf. Raises ModelError if z has another shape.
-        """
-        return self.residuals(z)[0] if flag("scaled", scaled) else self._parts(z)[0]
-
-    def residuals(self, z: npt.ArrayLike) -> tuple[float, float]:
-        """The residual of z (3 k,) relative to the terms of the velocities, and to the free velocity alone."""
-        worst, size, load = self._parts(z)
-        return float(guarded_residual(worst, size, load)), float(strict_residual(worst, load))
 
     def lcp(self) -> Lcp:
         """Unknowns [r_N (k), beta (m for each contact with friction), s (one each)].
@@ -115,20 +85,12 @@ class FacetedContactProblem:
         out[rough, 1:] = z[k : k + len(rough) * m].reshape(-1, m) @ self.corners.T
         return out.ravel()
 
-    def _parts(self, z: npt.ArrayLike) -> tuple[float, float, float]:
-        """What is left, the size of its terms, and that of the free velocities, in units of the contacts."""
-        contact, point = self.contact, point_of("z", z, self.size)
-        _, size, load = contact.residual_parts(point)
-        d = contact.unknown_units.d
-        with np.errstate(all="ignore"):
-            r, u = (point / d).reshape(-1, 3), (contact.slack(point) * d).reshape(-1, 3)
-            if not (size < np.inf and np.isfinite(r).all() and np.isfinite(u).all()):
-                return np.inf, np.inf, np.inf
-            pressed = np.abs(np.minimum(r[:, 0], u[:, 0])).max(initial=0.0)
-            radius = contact.friction * np.maximum(r[:, 0], 0.0)
-            rubbed = r[:, 1:] - nearest_in_polygon(r[:, 1:] - u[:, 1:], radius, self.directions)
-            worst = max(float(pressed), float(np.abs(rubbed).max(initial=0.0)))
-        return (worst, size, load) if worst < np.inf else (np.inf, np.inf, np.inf)
+    def _miss(self, r: FloatArray, u: FloatArray) -> float:
+        r, u = r.reshape(-1, 3), u.reshape(-1, 3)
+        pressed = np.abs(np.minimum(r[:, 0], u[:, 0])).max(initial=0.0)
+        radius = self.contact.friction * np.maximum(r[:, 0], 0.0)
+        rubbed = r[:, 1:] - nearest_in_polygon(r[:, 1:] - u[:, 1:], radius, self.directions)
+        return max(float(pressed), float(np.abs(rubbed).max(initial=0.0)))
 
 
 @dataclass(frozen=True, slots=True)

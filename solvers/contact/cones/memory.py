@@ -6,8 +6,6 @@ have three rows as well, the last two of which count for nothing.
 
 from __future__ import annotations
 
-from typing import Any, cast
-
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -20,27 +18,23 @@ from lcpflex.solvers.contact.judging import Judged
 from lcpflex.solvers.contact.operators.dense import Dense
 from lcpflex.solvers.contact.operators.scene import SceneRows, scene_rows
 from lcpflex.solvers.contact.proximal_newton import NewtonWork
-from lcpflex.solvers.contact.recollection import fill_slots
+from lcpflex.solvers.contact.recollection import enlarged
 from lcpflex.solvers.contact.strategy import POSED_CONTACTS, Attempts, Search, attempts_for, search_for
 from lcpflex.solvers.contact.sweeping import Sweeping
 
 __all__ = [
     "COMPILED",
-    "NOTHING_KNOWN",
     "OF_A_PAIR",
     "POSED",
-    "SOLUTION_KNOWN",
     "SpatialContactData",
     "SpatialRemembered",
     "SpatialSolverMemory",
-    "WEDGED_KNOWN",
     "cone_data",
     "cone_memory",
     "remembered_cones",
 ]
 
 COMPILED, POSED = 0, 1  # methods: POSED, each problem with its Delassus operator, for solvers that are not compiled in
-NOTHING_KNOWN, SOLUTION_KNOWN, WEDGED_KNOWN = 0, 1, 2  # of a problem: ``force`` is to be judged, the last by its terms
 TOLERANCE = 1e-9  # of residuals, where nobody tells
 LOOK = 8  # sweeps between two judgements
 CRAWLING = 0.7  # of the residual left by LOOK sweeps: too much to go on for its sake
@@ -72,7 +66,7 @@ class SpatialSolverMemory:
     """Solution of a contact problem, and what is known of it."""
 
     method: int
-    known: int
+    known: int  # as in the plane: forces are to be judged, those of wedged bodies by their terms
     begun: int  # 1: the forces of the next island to be solved are those to begin from
     # what is told of the last solve
     size: int
@@ -167,12 +161,4 @@ def cone_memory(
 
 def remembered_cones(capacity: int, before: SpatialRemembered | None = None) -> SpatialRemembered:
     """Room for so many contacts; what a smaller one holds goes on."""
-    memory: Any = allocate(SpatialRemembered, {"contacts": capacity, "slots": 2 * capacity + 1})
-    if before is not None:
-        memory.n, memory.now = before.n, before.now
-        for name in ("key", "force", "carried", "polished"):
-            getattr(memory, name)[:, : before.key.shape[1]] = getattr(before, name)
-        for name in ("place", "before"):
-            getattr(memory, name)[: len(before.place)] = getattr(before, name)
-        fill_slots(memory)
-    return cast(SpatialRemembered, memory)
+    return enlarged(SpatialRemembered, capacity, before)

@@ -12,7 +12,6 @@ from lcpflex.jit.struct import allocate, struct
 from lcpflex.solvers.contact.alart_curnier import alart_curnier
 from lcpflex.solvers.contact.algebra import IN_SPACE, put, put_at, taken, taken_at
 from lcpflex.solvers.contact.best import Best, copy_forces, forget_best, keep_best
-from lcpflex.solvers.contact.block_iteration import sweep
 from lcpflex.solvers.contact.cones.mixed_problem import MixedProblem, fill_units
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.judging import FLOOR, Judged, judge, measure_loads, weigh
@@ -34,6 +33,7 @@ from lcpflex.solvers.contact.strategy import (
     find,
     search_for,
 )
+from lcpflex.solvers.contact.sweeping import sweep
 
 __all__ = ["MixedMemory", "judge_mixed", "mixed_memory", "polish_mixed", "solve_mixed"]
 

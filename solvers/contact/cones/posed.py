@@ -8,28 +8,14 @@ import numpy as np
 
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.solvers.contact.cones.memory import (
-    SOLUTION_KNOWN,
-    WEDGED_KNOWN,
-    SpatialContactData,
-    SpatialSolverMemory,
-)
+from lcpflex.solvers.contact.cones.memory import SpatialContactData, SpatialSolverMemory
 from lcpflex.solvers.contact.judging import lags
+from lcpflex.solvers.contact.memory import WEDGED_KNOWN
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.problem import Solution
 from lcpflex.solvers.refusals import NO_LCP
 
-__all__ = [
-    "lagging",
-    "measured",
-    "posed_lcp",
-    "posed_problem",
-    "put_solution",
-    "put_tried",
-    "put_wedged",
-    "take_solution",
-    "tried_point",
-]
+__all__ = ["lagging", "measured", "posed_lcp", "posed_problem", "put_wedged", "take_solution", "tried_point"]
 
 
 def posed_problem(data: SpatialContactData, memory: SpatialSolverMemory) -> SpatialContactProblem:
@@ -70,17 +56,6 @@ def put_wedged(memory: SpatialSolverMemory, z: FloatArray) -> None:
 def lagging(memory: SpatialSolverMemory) -> bool:
     """Whether the last solve came to forces that are right as a whole, but not by the own load of some contact."""
     return lags(memory.judged)
-
-
-def put_tried(memory: SpatialSolverMemory) -> None:
-    """Take the forces that the last solve came to as the solution, for when the problem is posed again."""
-    memory.known = SOLUTION_KNOWN
-
-
-def put_solution(data: SpatialContactData, memory: SpatialSolverMemory, solution: Solution) -> None:
-    """Leave there what is known to solve the problem, for when it is posed again."""
-    take_solution(data, memory, solution)
-    memory.known = SOLUTION_KNOWN
 
 
 def take_solution(data: SpatialContactData, memory: SpatialSolverMemory, solution: Solution) -> None:

@@ -1,24 +1,7 @@
 """How the matrix W of a contact problem is stored, and what iterations ask of it: one struct and its kernels a file.
 
-    begin(op, group, p, like)         take the forces p (units, S): what is kept up to date of their effect is made anew
-    velocity(op, group, k, like)      v_k = free_k + (W p)_k at the forces as they are
-    push(op, group, k, d)             p_k has become p_k + d
-    terms(op, group, k, p, v)         sizes of what cancels in the velocity v of unit k, in its unit
-
-and Newton's method, whose unknowns x are the operator's own, with the change y - base of velocities linear in x:
-
-    unknowns(op, group)               how many
-    moves_centre(op)                  whether it has factors for a centre that moves with the forces
-    add_effect(op, group, x, base, y, like)     y = base + effect of x, for all units
-    product(op, group, a, b, like)    a.b in the metric in which F is measured
-    norm(op, group, x)                their length, in units in which they are alike
-    defect(op, group, x, change, rest, like)    F = x - what the change of forces comes to; its size
-    factorise(op, group, C, like)     of the Jacobian of F with C = -dp/dv (units, S S); False where it is singular
-    factorise_moving(op, group, C, like)    the same for a centre that moves with the forces
-    solve(op, group, x)               x := J^-1 x by that factor
-    prepare(op, group)                what a factor needs before the first one; False where there is no room for it
-    factor_work(op, group)            multiplications of a factor
-    sweep_work(op, group)             multiplications of a factor that take as long as a sweep
+Sweeps ask for ``begin``, ``velocity``, ``push`` and ``terms``; the other leaves are Newton's method's, whose unknowns x
+are the operator's own: forces, or velocities of bodies.
 
 :mod:`.dense` keeps velocities by columns of W; :mod:`.bodies` and :mod:`.factor` keep x = J^T p, W = J J^T, by body and
 by compressed rows; :mod:`.blocks` keeps nothing and adds the blocks of a unit up; :mod:`.scene` has

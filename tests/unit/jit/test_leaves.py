@@ -8,7 +8,7 @@ from lcpflex.jit.kernel import Kernel, kernel
 from lcpflex.jit.keys import _own, content
 from lcpflex.jit.leaf import leaf
 from lcpflex.solvers.contact.algebra import less
-from lcpflex.solvers.contact.block_iteration import sweep
+from lcpflex.solvers.contact.sweeping import sweep
 
 Vector = tuple[float, ...]
 

@@ -10,7 +10,6 @@ import pytest
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import allocate
 from lcpflex.solvers.contact.algebra import IN_SPACE, PLANAR, Vector
-from lcpflex.solvers.contact.block_iteration import sweep
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.judging import Judged, is_good, judge, measure_loads, weigh
 from lcpflex.solvers.contact.laws import BILATERAL, COULOMB, HALF_LINE
@@ -21,6 +20,7 @@ from lcpflex.solvers.contact.operators.dense import Dense
 from lcpflex.solvers.contact.operators.factor import Factor
 from lcpflex.solvers.contact.operators.scene import scene_rows
 from lcpflex.solvers.contact.operators.sparse_factor import sparse_factor
+from lcpflex.solvers.contact.sweeping import sweep
 
 LIKE: dict[int, Vector] = {2: PLANAR, 3: IN_SPACE}
 WIDTH = {2: 3, 3: 6}  # velocities of a body

@@ -21,7 +21,7 @@ COMPILE = """
 import json, re, sys
 from lcpflex.jit import thin
 thin.LARGEST += 1
-from lcpflex.solvers.contact.block_iteration import sweep
+from lcpflex.solvers.contact.sweeping import sweep
 from lcpflex.solvers.contact.operators import begin
 from tests.unit.solvers.test_block_iteration import LIKE, Problem
 found = {}
