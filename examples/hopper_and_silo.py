@@ -1,7 +1,8 @@
 """What friction does to grains: a hopper that clogs, and a silo whose walls carry its content.
 
 Forty discs leave a hopper through a mouth 2.6 diameters wide. Without friction they all run out. With mu = 0.8 a few
-of them sooner or later meet over the mouth and form an arch that carries the rest: the flow stops for good.
+of them meet over the mouth when the first one has left, and form an arch that carries the rest: the flow stops for
+good. Where the sides are steeper, or the mouth is wider, chance decides when.
 
 In a silo the bottom is lowered slowly, so that all discs slide down the rough walls, which hold them back. By Janssen
 (1895) the force on the bottom does not grow with the filling, but saturates: F = F_inf (1 - exp(-W / F_inf)), with the

@@ -139,10 +139,12 @@ def left_in(result: lf.Result) -> FloatArray:
 
 @pytest.mark.slow
 def test_hopper_clogs_with_friction_and_runs_empty_without() -> None:
-    stopped = left_in(run(gallery.hopper(), 3.5, record=0.05))
-    assert 3 <= stopped[-1] <= 39
-    assert (stopped[-10:] == stopped[-1]).all()  # half a second without one that leaves
-    flowing = left_in(run(gallery.hopper(friction=0.0), 2.5, record=0.05))
+    """However slightly they are moved: on steep sides, how many leave hangs on the last digits of a run."""
+    for scatter in (0.05, 0.05001, 0.051):
+        stopped = left_in(run(gallery.hopper(scatter=scatter), 1.25, record=0.05))
+        assert 30 <= stopped[-1] <= 39
+        assert (stopped[-10:] == stopped[-1]).all()  # half a second without one that leaves
+    flowing = left_in(run(gallery.hopper(friction=0.0), 3.5, record=0.05))
     assert flowing[-1] <= 2
     assert flowing[np.searchsorted(-flowing, -39) + 10] <= 30  # of 40, half a second after the first one
 
