@@ -26,8 +26,8 @@ from lcpflex.solvers.contact.tracing import trace
 
 __all__ = [
     "AFRESH", "ALART_CURNIER", "ALWAYS", "DEAR", "LAST_DIGITS", "MANY_CONTACTS", "NEWTON", "NONE", "POSED_CONTACTS",
-    "ROOM", "SETTLED", "SWEEPS", "USER_CONTACTS", "Attempt", "Attempts", "Search", "attempts_for", "conclude", "find",
-    "route_names", "search_for", "serve_lagging",
+    "ROOM", "SETTLED", "SPATIAL_CONTACTS", "SWEEPS", "USER_CONTACTS", "Attempt", "Attempts", "Search", "attempts_for",
+    "conclude", "find", "route_names", "search_for", "serve_lagging",
 ]  # fmt: skip
 
 ROOM = 100  # status: the memory of a factor is to grow first
@@ -131,6 +131,16 @@ _HARD = tuple(
 _AFRESH = [attempt.method for attempt in MANY_CONTACTS].index(AFRESH)
 USER_CONTACTS = MANY_CONTACTS[:_AFRESH] + _HARD + MANY_CONTACTS[_AFRESH:]
 """For solvers of users, who have more time: softer laws, which are nearer to a solution before they are harder."""
+
+SPATIAL_CONTACTS = (
+    *(
+        attempt
+        for sweeps, factors in ((30, 20), (200, 40), (1000, 60))
+        for attempt in (Attempt(SWEEPS, sweeps), Attempt(ALART_CURNIER, factors))
+    ),
+    *USER_CONTACTS,
+)
+"""For users in space: Alart and Curnier's method first, from better and better points."""
 
 LAST_DIGITS = (Attempt(ALART_CURNIER, 20), *_HARD)
 """From a point within the tolerance by its terms, to one that is so by the velocities."""

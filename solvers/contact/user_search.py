@@ -21,7 +21,7 @@ from lcpflex.jit.struct import allocate, put_array
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.contact import alart_curnier, proximal_newton as newton, strategy, tracing
 from lcpflex.solvers.contact.algebra import PLANAR, Vector
-from lcpflex.solvers.contact.best import Best, copy_forces, forget_best
+from lcpflex.solvers.contact.best import Best, copy_forces
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.judging import Judged, measure_loads
 from lcpflex.solvers.contact.operators import Operator, product, unknowns
@@ -29,7 +29,7 @@ from lcpflex.solvers.contact.operators.blocks import Blocks
 from lcpflex.solvers.contact.operators.dense import REGULAR, Dense
 from lcpflex.solvers.contact.system import FEW, SIZES, ContactSystem
 
-__all__ = ["UserSearch", "split_ranks"]
+__all__ = ["UserSearch", "split_ranks", "user_attempts"]
 
 SYMMETRY = 1e-10  # relative to the largest entry
 RANK = 1e-12  # of the largest entry of a C_k: what is left is rounding
@@ -165,17 +165,16 @@ class UserSearch:
     """
 
     def __init__(self, system: ContactSystem, tolerance: float, attempts: strategy.Attempts | None = None) -> None:
-        """attempts: of the table; those of steppers by default."""
-        self.attempts = _attempts(len(system.like)) if attempts is None else attempts
+        """attempts: of the table; those of users by default."""
+        self.attempts = user_attempts(len(system.like)) if attempts is None else attempts
         self.system, self.tolerance = system, tolerance
         self.factors = self.sweeps = 0
         op, group, rows = system.op, system.group, len(system.like)
         self.find: Any = strategy.find
-        self.method: Any = alart_curnier.alart_curnier
         if isinstance(op, Dense):
             _make_room(op, group.n * rows)
         else:
-            self.find, self.method = _interpreted(system)
+            self.find = _interpreted(system)
         kept = _kept.memory.pop((group.n, rows), None) if isinstance(op, Dense) else None
         self.judged, self.best, self.work = _laid_out(op, group, rows) if kept is None else kept
         measure_loads(group, self.judged)
@@ -204,23 +203,6 @@ class UserSearch:
         for start in (forces, np.zeros(len(forces))) if forces.any() else (forces,):
             if self._is_found(start, factors, sweeps, keep) or self.factors >= factors or out_of_time():
                 break
-
-    def alart_curnier(self, forces: FloatArray, factors: int) -> FloatArray:
-        """Newton's method without a centre from forces (m,), with so many factors at most; the best forces (m,).
-
-        Needs W.
-        """
-        system, work = self.system, self.work
-        system.take(forces)
-        forget_best(system.group, self.best, system.like)
-        work.factors, self.judged.tolerance = 0, MARGIN * self.tolerance
-        try:
-            self.method(system.op, system.group, self.judged, self.best, work, factors, system.like)
-        except _OutOfTime:
-            pass
-        finally:
-            self.factors += work.factors
-        return system.by_rows(self.best.p)
 
     def _is_found(self, forces: FloatArray, factors: int, sweeps: int, keep: Callable[[FloatArray], bool]) -> bool:
         """Until there were so many factors or sweeps in all."""
@@ -265,8 +247,9 @@ _kept = _Kept()
 
 
 @cache
-def _attempts(rows: int) -> strategy.Attempts:
-    return strategy.attempts_for(rows, strategy.USER_CONTACTS)
+def user_attempts(rows: int, table: tuple[strategy.Attempt, ...] = strategy.USER_CONTACTS) -> strategy.Attempts:
+    """The rows of a table that are for problems of S = ``rows``, made once."""
+    return strategy.attempts_for(rows, table)
 
 
 def _laid_out(op: Operator, group: Group, rows: int) -> Memory:
@@ -286,8 +269,8 @@ def _make_room(op: Dense, size: int) -> None:
         put_array(op, "solution", np.zeros(size))
 
 
-def _interpreted(system: ContactSystem) -> tuple[Any, Any]:
-    """The search and Alart and Curnier's method with their loops in Python, since their factors are."""
+def _interpreted(system: ContactSystem) -> Any:
+    """The search with its loops in Python, since its factors are."""
     own = _SparseFactors(system)
     inner = interpreted(newton.solve_inner, factorise=own.factorise, direction=own.direction)
     method = interpreted(newton.proximal_newton, solve_inner=inner)
@@ -298,7 +281,8 @@ def _interpreted(system: ContactSystem) -> tuple[Any, Any]:
         path = interpreted(tracing.trace_in_plane, factorise=own.factorise, direction=turned, correct=corrected)
     paths = interpreted(strategy.follow_paths, trace=path, proximal_newton=method)
     convex = interpreted(newton.convex_start, solve_inner=inner)
-    one = interpreted(strategy.try_one, proximal_newton=method, convex_start=convex, follow_paths=paths)
-    return interpreted(strategy.find, try_one=one), interpreted(
-        alart_curnier.alart_curnier, direction=own.moving_direction
-    )
+    moving = interpreted(alart_curnier.alart_curnier, direction=own.moving_direction)
+    own_ways = {"proximal_newton": method, "convex_start": convex, "follow_paths": paths, "alart_curnier": moving}
+    one = interpreted(strategy.try_one, **own_ways)
+    is_for = interpreted(strategy.is_for, moves_centre=lambda op: isinstance(op, Blocks))
+    return interpreted(strategy.find, try_one=one, is_for=is_for)

@@ -339,7 +339,7 @@ class TestForeignExceptions:
         if kind is not RuntimeError:  # which says that there is nothing to be had but by sweeping on
             assert f"{kind.__name__}: Factor is exactly singular" in found.message
         assert len(found.message) < 500
-        assert Auto().solve(problem).route.startswith("block Gauss-Seidel (failed) > ")
+        assert Auto().solve(problem).route.startswith("sweeps (failed) > ")
 
     def test_the_linear_program_fails_and_the_search_goes_on(self, monkeypatch):
         def fails(*arguments, **settings):
@@ -375,7 +375,7 @@ class TestRoutes:
         J = np.array([[1.0], [-1.0]])
         found = Auto().solve(ContactProblem(None, [-1.0, 0.5], [0.0, 0.0], factor=J))
         assert found.status is Status.INFEASIBLE
-        assert found.route == "block Gauss-Seidel (failed) > principal pivoting"
+        assert found.route == "sweeps (failed) > principal pivoting"
 
     def test_a_guess_that_was_no_help_is_told(self):
         problem = Lcp([[1.0, 3.0], [-3.0, 1.0]], [-1.0, -1.0])

@@ -5,19 +5,18 @@ Sources: Alart & Curnier 1991; Bonnefon & Daviet 2011; Rockafellar 1976; Acary, 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess
-from lcpflex.solvers.clock import grown, out_of_time
-from lcpflex.solvers.contact.looks import SWEPT
+from lcpflex.solvers.clock import expired, grown, out_of_time
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.contact.starts import own_units, start_of
+from lcpflex.solvers.contact.strategy import FEW_FACTORS, SPATIAL_CONTACTS
 from lcpflex.solvers.contact.system import MOST_DENSE, ContactSystem, storage_of
-from lcpflex.solvers.contact.user_search import UserSearch
+from lcpflex.solvers.contact.user_search import UserSearch, user_attempts
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Solution, Status, accept
@@ -25,20 +24,17 @@ from lcpflex.solvers.refusals import only_cones
 
 __all__ = ["AlartCurnier"]
 
-NEWTON = "Alart-Curnier Newton"
-RESCUED = "proximal points"
-STAGES = ((30, 20), (200, 40), (1000, 60))  # sweeps, and how many Newton steps are tried then
-CLOSE = 1e-2  # change of a sweep relative to the tolerance at which sweeps end
-SWEEPS = 5000  # between runs of the proximal Newton method, at most
+NEWTON = "Alart-Curnier"
+SWEEPS = 5000  # at most, in all
 
 
 @dataclass(frozen=True, slots=True)
 class AlartCurnier:
     """Newton's method on Alart and Curnier's function, for contacts with friction in space.
 
-    Begins with some sweeps of block Gauss-Seidel; more of them, and then proximal points, follow where Newton's method
-    stalls, as it does where bodies rest on many contacts. Dense operators of up to 64 contacts are solved in compiled
-    code, others by sparse factors.
+    Rows of one table of attempts: some sweeps come first; more of them, and then proximal points, follow where the
+    method stalls, as it does where bodies rest on many contacts. Dense operators of up to 64 contacts are solved in
+    compiled code, others by sparse factors.
 
     Attributes
     ----------
@@ -85,89 +81,30 @@ class AlartCurnier:
         return own_units(problem, found, self.tolerance)
 
     def _solved(self, problem: SpatialContactProblem, start: FloatArray) -> Solution:
-        def attempt(limit: int) -> _Attempt:
-            one = _Attempt(problem, start, self.tolerance, limit)
-            one.go()
-            one.release()
-            return one
+        def attempt(limit: int) -> tuple[Solution, bool]:
+            system = ContactSystem(problem, storage_of(problem))
+            search, found = UserSearch(system, self.tolerance, user_attempts(3, SPATIAL_CONTACTS)), []
 
-        if len(problem.friction) <= MOST_DENSE[3]:  # kernels cannot look at a clock
-            cost = int(problem.size**1.5)  # a step is that of a dense factor
-            one, cut = grown(attempt, self.step_limit, cost, lambda one: one.residual > self.tolerance)
-        else:
-            one, cut = attempt(self.step_limit), out_of_time()
-        status = Status.TIME_LIMIT if cut else Status.ITERATION_LIMIT if one.limited else Status.NUMERICAL_FAILURE
-        return accept(
-            problem, one.best, tolerance=self.tolerance, status=status, iterations=one.sweeps + one.steps,
-            route=one.route,
-        )  # fmt: skip
+            def is_limited() -> bool:
+                return limit - search.factors < FEW_FACTORS  # rows begin with no fewer
 
+            def is_good(forces: FloatArray) -> bool:
+                status = Status.ITERATION_LIMIT if is_limited() else Status.NUMERICAL_FAILURE
+                count = search.factors + search.sweeps
+                found.append(accept(problem, forces, tolerance=self.tolerance, status=status, iterations=count))
+                return found[-1].solved
 
-class _Attempt:
-    """Sweeps and Newton's method by turns, then proximal points; ``best`` is the best point so far."""
+            search.run(start, limit, SWEEPS, is_good)
+            system.release()
+            search.release()
+            best = min(found, key=lambda one: one.residual)
+            return replace(best, iterations=found[-1].iterations, route=search.route), is_limited()
 
-    def __init__(self, problem: SpatialContactProblem, start: FloatArray, tolerance: float, limit: int) -> None:
-        self.problem, self.tolerance, self.limit = problem, tolerance, limit
-        self.best, self.residual, self.start = start.copy(), problem.residual(start), start
-        self.sweeps = self.steps = 0
-        self.route = "guess" if start.any() else "no forces"
-
-    @property
-    def limited(self) -> bool:
-        """Whether the limit of linear systems was reached."""
-        return self.steps >= self.limit
-
-    def go(self) -> None:
-        """Until the residual is within the tolerance, the limit is reached, or nothing helps."""
-        for sweeps, steps in STAGES:
-            if self._done():
-                return
-            self._sweep(sweeps)
-            if self._done():
-                return
-            swept = self.system.forces
-            forces = self.search.alart_curnier(swept, min(steps, self.limit - self.steps))
-            self.steps = self.search.factors
-            self._look(forces, f"{SWEPT}, {NEWTON}")
-            self.system.take(swept)
-        if not self._done():
-            self.search.run(self.best, self.limit - self.steps, SWEEPS, self._is_good)
-            self.steps = self.search.factors
-            self.sweeps += self.search.sweeps
-
-    @cached_property
-    def system(self) -> ContactSystem:
-        """The contacts, and the forces that sweeps have come to."""
-        system = ContactSystem(self.problem, storage_of(self.problem))
-        system.take(self.start)
-        return system
-
-    @cached_property
-    def search(self) -> UserSearch:
-        """Newton's methods on the contacts."""
-        return UserSearch(self.system, self.tolerance)
-
-    def release(self) -> None:
-        """Leave its memory to the next problem."""
-        for kept in ("system", "search"):
-            if kept in vars(self):
-                getattr(self, kept).release()
-
-    def _is_good(self, forces: FloatArray) -> bool:
-        self._look(forces, f"{SWEPT}, {NEWTON}, {RESCUED}")
-        return self.residual <= self.tolerance
-
-    def _done(self) -> bool:
-        return self.residual <= self.tolerance or self.limited or out_of_time()
-
-    def _sweep(self, sweeps: int) -> None:
-        made, _ = self.system.sweep(sweeps, CLOSE * self.tolerance)
-        self.sweeps += made
-        self._look(self.system.forces, SWEPT)
-
-    def _look(self, forces: FloatArray, route: str) -> None:
-        """Keep the forces if they are better than all before; the route is told as far as it went."""
-        residual = self.problem.residual(forces)
-        self.route = route
-        if residual < self.residual:
-            self.best, self.residual = forces.copy(), residual
+        if out_of_time():
+            return accept(problem, start, tolerance=self.tolerance, status=Status.TIME_LIMIT, route="not begun")
+        if len(problem.friction) > MOST_DENSE[3]:
+            one = attempt(self.step_limit)[0]
+            return expired(one) if out_of_time() else one
+        cost = int(problem.size**1.5)  # a step is that of a dense factor; kernels cannot look at a clock
+        (one, _), cut = grown(attempt, self.step_limit, cost, lambda found: found[1] and not found[0].solved)
+        return expired(one) if cut else one

@@ -11,10 +11,11 @@ import scipy.sparse.linalg
 
 from lcpflex.basics import libs
 from lcpflex.errors import ModelError
-from lcpflex.solvers import Auto, ContactProblem, Lemke, Status, load_siconos_contacts
-from lcpflex.solvers.auto import FACTORS, SMALL
+from lcpflex.solvers import Auto, ContactProblem, Lemke, Status, load_siconos_contacts, user_table
+from lcpflex.solvers.auto import FACTORS
 from lcpflex.solvers.contact.cone import relaxed_forces
-from lcpflex.solvers.contact.many import Search
+from lcpflex.solvers.contact.user_rows import relaxed, searched
+from lcpflex.solvers.user_table import NEWTON, PLANE, SMALL, Case, solve_by_table
 from tests.piles import SPEED, columns, heap, moving, shuffled
 
 STORED = Path(__file__).parent / "siconos"
@@ -50,6 +51,10 @@ def by_matrix(pile):
 def smooth(pile):
     J, free, mu = pile
     return J[: len(mu)], free[: len(mu)], np.zeros(len(mu))
+
+
+def case_of(problem, tolerance):
+    return Case(PLANE, problem, None, tolerance, FACTORS, 1)
 
 
 def velocity(problem, found):
@@ -129,7 +134,7 @@ class TestAnswers:
                 found = Auto().solve(problem)
                 v = velocity(problem, found).reshape(2, count)
                 assert found.solved
-                assert found.route == "block Gauss-Seidel"
+                assert found.route == "sweeps"
                 assert (v[0] == (1.0 if expected == "open" else 0.0)).all()
                 assert v[1] == pytest.approx(np.full(count, {"sticking": 0.0, "sliding": 2.5, "open": 3.0}[expected]))
 
@@ -146,7 +151,7 @@ class TestAnswers:
         problem = by_matrix(pile_of(name))
         cold = Auto().solve(problem)
         warm = Auto().solve(problem, cold)
-        assert warm.route == "block Gauss-Seidel"
+        assert warm.route == "sweeps"
         assert warm.iterations == 0
         z = problem.unknown_units.inward(warm.z)
         w = problem.balanced().slack(z)
@@ -161,8 +166,7 @@ class TestAnswers:
         found = Auto().solve(problem)
         assert found.solved
         assert found.w == pytest.approx(Lemke().solve(problem).w, abs=1e-9)
-        search = Search(problem, None, 1e-10, FACTORS)
-        assert search.relaxed() == ""  # another problem than this one
+        assert relaxed(case_of(problem, 1e-10)) is None  # the relaxation is another problem than this one
 
     def test_impossible_ones_are_proved(self):
         J, free, mu = columns(1, 30)
@@ -176,9 +180,9 @@ class TestAnswers:
 
 class TestMethods:
     def test_newton_alone_solves_what_slides(self):
-        search = Search(by_matrix(pile_of("pushed")), None, 1e-8, FACTORS)
-        assert search.run(search.newton)
-        assert search.route == "proximal Newton"
+        found = searched(case_of(by_matrix(pile_of("pushed")), 1e-8))
+        assert found.solved
+        assert set(found.route.split(" > ")) <= {"sweeps", "Newton", "convex law", "path"}
 
     def test_the_relaxation_is_exact_where_nothing_slides(self):
         for kind in (by_factor, by_matrix):
@@ -195,9 +199,13 @@ class TestMethods:
 
         monkeypatch.setattr(libs.clarabel, "DefaultSolver", fails)
         assert relaxed_forces(by_factor(pile_of("heap"))) is None
-        search = Search(by_factor(pile_of("heap, masses 1e3")), None, 1e-8, FACTORS)
-        assert search.run(search.swept, search.relaxed, search.newton)
-        assert search.route == "block Gauss-Seidel (failed) > convex start (failed) > proximal Newton"
+        problem = by_factor(pile_of("heap, masses 1e3"))
+        rows = user_table._rows_for(PLANE, problem.size)
+        chosen = [rows[0], *(row for row in rows if row.name in ("convex program", NEWTON))]
+        monkeypatch.setattr(user_table, "_rows_for", lambda kind, size: chosen)
+        found = solve_by_table(case_of(problem, 1e-8))
+        assert found.solved
+        assert found.route.startswith("sweeps (failed) > sweeps > Newton")  # the compiled attempts begin with sweeps
 
 
 class TestBudget:

@@ -95,7 +95,7 @@ class TestAnswers:
     def test_many_ways_are_told_in_one_route(self):
         found = Auto().solve(beside(*[columns(1, h) for h in (1, 2, 3)], columns(2, 20)))
         assert found.solved
-        assert found.route.startswith("block Gauss-Seidel (failed) > 5 parts: ")
+        assert found.route.startswith("sweeps (failed) > 5 parts: ")
         assert len(found.route) < 500
 
 
