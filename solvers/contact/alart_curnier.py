@@ -26,7 +26,6 @@ __all__ = ["alart_curnier"]
 
 HALVINGS = 12
 DESCENT = 1e-4  # share of the step that the function must fall by
-MEMORY = 4  # values one of which must be beaten
 STILL = 1e-15  # of the load: what is left of the function is rounding
 
 

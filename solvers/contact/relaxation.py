@@ -58,25 +58,17 @@ class ConvexContactProblem:
         False: then in the units of ``free``. inf for a z (m,) that holds NaN or inf. Raises ModelError if z has
         another shape.
         """
-        point = self._point(z)
-        contact = self.contact
-        if not np.isfinite(point).all():
-            return float("inf")
+        point, contact = self._point(z), self.contact
         with np.errstate(all="ignore"):
             largest, terms = self._row_sizes(point)
             velocity = contact.velocity(point)
             size = float(terms.max(initial=0.0))
-            if not (np.isfinite(velocity).all() and np.isfinite(size)):
-                return float("inf")
             inner = self._projected(point - velocity / largest)
             worst = float(np.abs(largest * (point - inner)).max(initial=0.0))
-        if not np.isfinite(worst):
+        if not (np.isfinite(point).all() and np.isfinite(velocity).all() and np.isfinite(size) and np.isfinite(worst)):
             return float("inf")
-        return (
-            float(guarded_residual(worst, size, np.abs(contact.free).max(initial=0.0)))
-            if flag("scaled", scaled)
-            else worst
-        )
+        load = np.abs(contact.free).max(initial=0.0)
+        return float(guarded_residual(worst, size, load)) if flag("scaled", scaled) else worst
 
     def lift(self, z: npt.ArrayLike) -> float:
         """Largest v_N of the contacts that forces z (m,) press: 0 if Coulomb's law holds too; in the units of free."""
