@@ -11,9 +11,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
+from lcpflex.dynamics.contact_problem import lay_contacts
 from lcpflex.dynamics.delassus import free_velocities
 from lcpflex.dynamics.mechanics import factorise, fill_joint_rows, solve_rows, supply
-from lcpflex.dynamics.spatial.contact_problem import lay_contacts
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.steppers.island_problems import solve_islands

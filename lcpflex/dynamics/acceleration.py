@@ -23,7 +23,7 @@ import numpy as np
 from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.contact.table import ContactTable
 from lcpflex.dynamics.contact_forces import add_contact_forces
-from lcpflex.dynamics.contact_problem import fits, lay_contacts, pose_island
+from lcpflex.dynamics.contact_problem import fits, lay_contacts, list_tangents, pose_island
 from lcpflex.dynamics.delassus import apply_impulses, free_velocities, row_velocity
 from lcpflex.dynamics.impulse import answer_joints
 from lcpflex.dynamics.islands import forget_islands
@@ -45,6 +45,7 @@ from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.model.arrays import Model
+from lcpflex.solvers.contact.algebra import PLANAR
 from lcpflex.solvers.contact.index_sets import (
     SLIDE_BACK,
     SLIDE_FORTH,
@@ -131,10 +132,7 @@ def lay_rows(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
     n_tangent = fill_contact_rows(model, q, n, n_joint, work.rows)
     solve_rows(model, work.rows, 0, n_joint + n + n_tangent)
     count_rows(work.rows, n_joint, n, n_tangent)
-    for k in range(n):
-        sets.tangent_of[k] = -1
-    for j in range(n_tangent - 1, -1, -1):  # in space two of each contact, and the first is told
-        sets.tangent_of[work.rows.tangent[j]] = j
+    list_tangents(work.rows, sets.tangent_of)
 
 
 @kernel
@@ -291,7 +289,7 @@ def solve_sets(work: Workspace, sets: ContactSets, level: int) -> None:
     """Forces or impulses ``work.impulses.p`` of all rows with the sets as they are, island by island."""
     sets.level = level
     for i in range(work.posed.islands.count):
-        pose_island(work, i)
+        pose_island(work, i, PLANAR)
         n_stick = reduce_sets(work, sets)
         solve_consistent(sets, work.posed.problem.n_contacts + n_stick)
         spread(work, sets)

@@ -10,15 +10,26 @@ from __future__ import annotations
 from lcpflex.dynamics.delassus import delassus
 from lcpflex.dynamics.islands import find_islands, one_island
 from lcpflex.dynamics.joint_response import condense, couple, factorise_joints, solve_joints
+from lcpflex.dynamics.rows import Rows
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.jit.kernel import kernel
-from lcpflex.jit.leaf import in_space
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.leaf import leaf
+from lcpflex.solvers.contact.algebra import Vector
 from lcpflex.solvers.contact.index_sets import STICKING, sliding_sign
 
-__all__ = ["describe_contacts", "factor_joints", "fits", "lay_as_one", "lay_contacts", "pose_island", "take_forces"]
+__all__ = [
+    "describe_contacts",
+    "factor_joints",
+    "fits",
+    "lay_as_one",
+    "lay_contacts",
+    "list_tangents",
+    "pose_island",
+    "pose_rows",
+    "take_forces",
+]
 
 
-@in_space("lcpflex.dynamics.spatial.contact_problem")
 @kernel
 def lay_contacts(work: Workspace) -> None:
     """Begin with the contacts of the rows laid: which islands they make, under Coulomb's law.
@@ -27,15 +38,7 @@ def lay_contacts(work: Workspace) -> None:
     """
     lay_as_one(work)
     factor_joints(work)
-    find_islands(
-        work.posed.islands,
-        work.rows.J,
-        work.rows.solved,
-        work.rows.body,
-        work.rows.dof,
-        work.rows.n_joint,
-        work.rows.n_contacts,
-    )
+    find_islands(work.posed.islands, work.rows)
 
 
 @kernel
@@ -44,11 +47,17 @@ def lay_as_one(work: Workspace) -> None:
     work.posed.on_sets = 0
     work.posed.shifted = 0
     work.posed.lifted = 0
-    for k in range(work.rows.n_contacts):
-        work.posed.tangent_of[k] = -1
-    for j in range(work.rows.n_tangents):
-        work.posed.tangent_of[work.rows.tangent[j]] = j
+    list_tangents(work.rows, work.posed.tangent_of)
     one_island(work.posed.islands, work.rows.n_contacts)
+
+
+@kernel
+def list_tangents(rows: Rows, tangent_of: IntArray) -> None:
+    """The tangential row of each contact laid, the first one in space; -1 without friction."""
+    for k in range(rows.n_contacts):
+        tangent_of[k] = -1
+    for j in range(rows.n_tangents - 1, -1, -1):
+        tangent_of[rows.tangent[j]] = j
 
 
 @kernel
@@ -72,70 +81,84 @@ def fits(work: Workspace, i: int) -> bool:
     return bool(size <= len(work.posed.problem.friction))
 
 
-@in_space("lcpflex.dynamics.spatial.contact_problem")
 @kernel
-def pose_island(work: Workspace, i: int) -> None:
-    """``work.posed.problem`` of the contacts of island i."""
-    describe_contacts(work, i)
-    n_joint, problem, part = work.rows.n_joint, work.posed.problem, work.posed.part
-    m = problem.n_contacts + problem.n_tangents
-    G, free = problem.delassus, problem.free
-    delassus(work.rows.J[n_joint:], work.rows.solved[n_joint:], work.rows.body[n_joint:], part, m, G)
-    for c in range(m):
-        free[c] = work.free.v[n_joint + part[c]]
+def pose_island(work: Workspace, i: int, like: Vector) -> None:
+    """``work.posed.problem`` of the contacts of island i; like: zeros, as many as a contact has rows."""
+    describe_contacts(work, i, like)
+    problem, part, counted = work.posed.problem, work.posed.part, work.posed.counted
+    m, G, free = problem.n_contacts + problem.n_tangents, problem.delassus, problem.free
+    pose_rows(work, m, G, free)
+    if work.posed.lifted == 1:  # forces that are counted already leave the right-hand side
+        for r in range(m):
+            for s in range(m):
+                if 0 <= part[s] < work.rows.n_contacts:
+                    free[r] -= G[r, s] * counted[part[s]]
+
+
+@kernel
+def pose_rows(work: Workspace, m: int, G: FloatArray, free: FloatArray) -> None:
+    """G and ``free`` of the m rows ``posed.part``, joints condensed; what is known of each contact there alone."""
+    rows, part, n_joint = work.rows, work.posed.part, work.rows.n_joint
+    delassus(rows.J[n_joint:], rows.solved[n_joint:], rows.body[n_joint:], part, m, G)
+    for r in range(m):
+        free[r] = work.free.v[n_joint + part[r]] if part[r] >= 0 else 0.0
     if n_joint > 0:
-        condense(work.rows, part, n_joint, m, G, free)
-    note_effects(work, i)
+        condense(rows, part, n_joint, m, G, free)
+    for r in range(m):
+        if 0 <= part[r] < rows.n_contacts:
+            work.posed.own[part[r]] = G[r, r]
+            work.posed.effect[part[r]] = free[r]
 
 
 @kernel
-def note_effects(work: Workspace, i: int) -> None:
-    """What is known of each contact of island i alone; forces that are counted already leave the right-hand side."""
-    posed = work.posed
-    problem, contact = posed.problem, posed.islands.contact
-    first, n = posed.islands.start[i], problem.n_contacts
-    for c in range(n):
-        k = contact[first + c]
-        posed.own[k] = problem.delassus[c, c]
-        posed.effect[k] = problem.free[c]
-    if posed.lifted == 1:
-        for c in range(n):
-            for e in range(n):
-                problem.free[c] -= problem.delassus[c, e] * posed.counted[contact[first + e]]
-
-
-@kernel
-def describe_contacts(work: Workspace, i: int) -> None:
-    """Friction, tangents and names of the contacts of island i, and in ``work.posed.part`` the rows of its problem."""
-    posed = work.posed
-    problem, part, contact = posed.problem, posed.part, posed.islands.contact
+def describe_contacts(work: Workspace, i: int, like: Vector) -> None:
+    """Friction and names of the contacts of island i, and in ``work.posed.part`` the rows of its problem."""
+    posed, problem, table = work.posed, work.posed.problem, work.rows.table
     first = posed.islands.start[i]
-    n = posed.islands.start[i + 1] - first
-    all_contacts, table = work.rows.n_contacts, work.rows.table
-    tangent_of, terms = posed.tangent_of, work.free.terms
-    on_sets, shifted = posed.on_sets, posed.shifted
-    found = 0
-    for c in range(n):
-        k = contact[first + c]
-        part[c] = k
-        problem.friction[c] = work.rows.mu[k]
+    problem.n_contacts, problem.n_tangents = posed.islands.start[i + 1] - first, 0
+    problem.on_sets, problem.shifted = posed.on_sets, posed.shifted
+    for c in range(problem.n_contacts):
+        k = posed.islands.contact[first + c]
+        problem.friction[c] = work.rows.mu[k] if posed.tangent_of[k] >= 0 else 0.0
         problem.key[c] = table.key[k]
         problem.pair[c] = table.law[k]
-        problem.terms[c] = terms[k]
-        if on_sets == 1:
+        if posed.on_sets == 1:
             problem.mode[c] = posed.mode[k]
-        if shifted == 1:
+        if posed.shifted == 1:
             problem.least[c] = posed.least[k]
-        j = tangent_of[k]
-        if j >= 0:
-            part[n + found] = all_contacts + j
-            problem.tangent[found] = c
-            problem.terms[n + found] = terms[all_contacts + j]
-            found += 1
-    problem.n_contacts = n
-    problem.n_tangents = found
-    problem.on_sets = on_sets
-    problem.shifted = shifted
+        list_rows(work, c, k, like)
+
+
+@leaf
+def list_rows(work: Workspace, c: int, k: int, like: Vector) -> None:
+    """The rows of contact c of the problem, k of the table, to ``posed.part``; sizes of what cancels in them.
+
+    In the plane all normals come first, then tangents where there is friction; in space three rows a contact, those
+    that it has not as -1.
+    """
+    raise NotImplementedError
+
+
+@list_rows.of(2)
+@kernel
+def list_rows_in_plane(work: Workspace, c: int, k: int, like: Vector) -> None:
+    problem, part, terms, j = work.posed.problem, work.posed.part, work.free.terms, work.posed.tangent_of[k]
+    part[c], problem.terms[c] = k, terms[k]
+    if j >= 0:
+        r = problem.n_contacts + problem.n_tangents
+        part[r], problem.terms[r] = work.rows.n_contacts + j, terms[work.rows.n_contacts + j]
+        problem.tangent[problem.n_tangents] = c
+        problem.n_tangents += 1
+
+
+@list_rows.of(3)
+@kernel
+def list_rows_in_space(work: Workspace, c: int, k: int, like: Vector) -> None:
+    problem, part, terms, j = work.posed.problem, work.posed.part, work.free.terms, work.posed.tangent_of[k]
+    for t in range(3):
+        row = k if t == 0 else (work.rows.n_contacts + j + t - 1 if j >= 0 else -1)
+        part[3 * c + t], problem.terms[3 * c + t] = row, terms[row] if row >= 0 else 0.0
+    problem.n_tangents += 2
 
 
 @kernel

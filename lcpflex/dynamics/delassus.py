@@ -23,14 +23,17 @@ __all__ = [
 
 @kernel
 def delassus(rows: FloatArray, solved: FloatArray, row_body: IntArray, part: IntArray, n: int, G: FloatArray) -> None:
-    """G[a, b] = rows_r . A^-1 rows_s for r, s = part[a], part[b] and a, b < n; the blocks of equal bodies only."""
+    """G[a, b] = rows_r . A^-1 rows_s for r, s = part[a], part[b] and a, b < n; the blocks of equal bodies only.
+
+    0 where r or s is none, -1.
+    """
     width = rows.shape[2]
     for a in range(n):
         r = part[a]
         for b in range(a + 1):
             s = part[b]
             total = 0.0
-            for i in range(2):
+            for i in range(2 if r >= 0 and s >= 0 else 0):
                 if row_body[r, i] < 0:
                     continue
                 for j in range(2):

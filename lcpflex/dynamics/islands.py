@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from lcpflex.dynamics.rows import Rows
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.solvers.semidefinite import REDUNDANT
@@ -86,44 +87,33 @@ def root(parent: IntArray, b: int) -> int:
 
 
 @kernel
-def connect(of: Islands, a: int, b: int) -> None:
-    """Bodies a and b belong together, unless one of them passes nothing on."""
-    if a >= 0 and b >= 0 and of.held[a] == 0 and of.held[b] == 0:
-        i, j = root(of.parent, a), root(of.parent, b)
-        if i < j:
-            of.parent[j] = i
-        else:
-            of.parent[i] = j
-
-
-@kernel
-def connect_bodies(
-    of: Islands, rows: FloatArray, solved: FloatArray, row_body: IntArray, dof: IntArray, n_joint: int, n: int
-) -> None:
-    """Which bodies are held, and which of the others joints and n contacts connect; rows as of find_islands."""
+def connect_bodies(of: Islands, rows: Rows) -> None:
+    """Which bodies are held, and pass nothing on, and which of the others joints and contacts connect."""
     for b in range(len(of.parent)):
         of.parent[b] = b
-    find_held(of, rows, solved, row_body, dof, n_joint)
-    for r in range(n_joint + n):
-        connect(of, row_body[r, 0], row_body[r, 1])
+    find_held(of, rows)
+    for r in range(rows.n_joint + rows.n_contacts):
+        a, b = rows.body[r, 0], rows.body[r, 1]
+        if a >= 0 and b >= 0 and of.held[a] == 0 and of.held[b] == 0:
+            i, j = root(of.parent, a), root(of.parent, b)
+            of.parent[max(i, j)] = min(i, j)
 
 
 @kernel
-def find_islands(
-    of: Islands, rows: FloatArray, solved: FloatArray, row_body: IntArray, dof: IntArray, n_joint: int, n: int
-) -> None:
-    """Islands of n contacts; joint rows first in ``rows``, then the normal rows of the contacts."""
+def find_islands(of: Islands, rows: Rows) -> None:
+    """Islands of the contacts of the rows laid."""
+    n = rows.n_contacts
     if n < 2:
         one_island(of, n)
         return
-    connect_bodies(of, rows, solved, row_body, dof, n_joint, n)
+    connect_bodies(of, rows)
     for b in range(len(of.parent)):
         of.island[b] = NONE
     count = 0
     for k in range(n):
         at = NONE
         for i in range(2):
-            b = row_body[n_joint + k, i]
+            b = rows.body[rows.n_joint + k, i]
             if b >= 0 and of.held[b] == 0:
                 b = root(of.parent, b)
                 if of.island[b] == NONE:
@@ -158,15 +148,14 @@ def sort_contacts(of: Islands, n: int) -> None:
 
 
 @kernel
-def find_held(
-    of: Islands, rows: FloatArray, solved: FloatArray, row_body: IntArray, dof: IntArray, n_joint: int
-) -> None:
+def find_held(of: Islands, rows: Rows) -> None:
     """Which bodies have as many independent joint rows with the ground as velocities."""
+    dof = rows.dof
     for b in range(len(of.held)):
         of.held[b] = 0
         of.first_row[b] = NONE
-    for r in range(n_joint):
-        a, b = row_body[r, 0], row_body[r, 1]
+    for r in range(rows.n_joint):
+        a, b = rows.body[r, 0], rows.body[r, 1]
         if (a < 0) != (b < 0):
             moving = max(a, b)
             of.next_row[r] = of.first_row[moving]
@@ -175,21 +164,21 @@ def find_held(
     for b in range(len(of.held)):
         width = dof[b + 1] - dof[b]
         enough = of.held[b] >= width and width <= MOST_HELD
-        of.held[b] = 1 if enough and rank(of, rows, solved, row_body, b, width) == width else 0
+        of.held[b] = 1 if enough and rank(of, rows, b, width) == width else 0
 
 
 @late_kernel
-def rank(of: Islands, rows: FloatArray, solved: FloatArray, row_body: IntArray, b: int, width: int) -> int:
+def rank(of: Islands, rows: Rows, b: int, width: int) -> int:
     """Independent ones of the joint rows between body b and the ground, in the metric A^-1: at most ``width``."""
     base = of.base
     found = 0
     r = of.first_row[b]
     while r >= 0 and found < width:
-        i = 0 if row_body[r, 0] == b else 1
+        i = 0 if rows.body[r, 0] == b else 1
         row, turned = base[found], base[MOST_HELD + found]
         size, left = 0.0, 0.0
         for c in range(width):
-            row[c], turned[c] = rows[r, i, c], solved[r, i, c]
+            row[c], turned[c] = rows.J[r, i, c], rows.solved[r, i, c]
             size += row[c] * turned[c]
         for other in range(found):
             part = 0.0

@@ -110,15 +110,7 @@ def is_reached(model: Model, work: Workspace, joint: int, reactions: Reactions) 
 def begin_reached(work: Workspace, reactions: Reactions) -> None:
     """No body is reached; bodies are connected where that is not known yet: a single contact asks for no islands."""
     if work.rows.n_contacts == 1:
-        connect_bodies(
-            work.posed.islands,
-            work.rows.J,
-            work.rows.solved,
-            work.rows.body,
-            work.rows.dof,
-            work.rows.n_joint,
-            work.rows.n_contacts,
-        )
+        connect_bodies(work.posed.islands, work.rows)
     for b in range(len(reactions.reached)):
         reactions.reached[b] = 0
 

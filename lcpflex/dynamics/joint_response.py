@@ -213,7 +213,7 @@ def find_path(rows: Rows, part: IntArray, first: int, m: int) -> None:
     joints, row_body = rows.joints, rows.body
     forget_path(joints.factor)
     for c in range(m):
-        for i in range(2):
+        for i in range(2 if part[c] >= 0 else 0):
             b = row_body[first + part[c], i]
             if b >= 0 and joints.first[b] < joints.first[b + 1]:
                 add_path(joints.factor, joints.place[joints.first[b]])  # joints on one body are on one path
@@ -223,7 +223,7 @@ def find_path(rows: Rows, part: IntArray, first: int, m: int) -> None:
 def condense(rows: Rows, part: IntArray, first: int, m: int, G: FloatArray, free: FloatArray) -> None:
     """Take the part of the joints out of G and ``free`` of m rows: ``part`` of those from ``first`` on, all coupled.
 
-    S^-1 b is known.
+    S^-1 b is known. Rows that are none, -1, have nothing to do with joints.
     """
     find_path(rows, part, first, m)
     joints = rows.joints
@@ -231,7 +231,7 @@ def condense(rows: Rows, part: IntArray, first: int, m: int, G: FloatArray, free
     coupling, acting, n_acting = joints.coupling, joints.acting, joints.n_acting
     for c in range(m):
         a = part[c]
-        if n_acting[a] == 0:
+        if a < 0 or n_acting[a] == 0:
             continue
         for k in range(n_acting[a]):
             free[c] -= coupling[a, k] * answer[factor.order[acting[a, k]]]
@@ -242,7 +242,7 @@ def condense(rows: Rows, part: IntArray, first: int, m: int, G: FloatArray, free
             answer_in_full(rows)
         for e in range(c + 1):
             b = part[e]
-            for k in range(n_acting[b]):
+            for k in range(n_acting[b] if b >= 0 else 0):
                 G[c, e] -= coupling[b, k] * x[acting[b, k]]
             G[e, c] = G[c, e]
         if factor.weak == 0:

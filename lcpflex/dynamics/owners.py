@@ -218,6 +218,7 @@ WRITERS: dict[str, tuple[str, ...]] = {
     "Impulses.n_doubtful": ("lcpflex.steppers.doubtful", "lcpflex.steppers.several_motions"),
     "Scratch": (
         "lcpflex.dynamics.contact_compliance",
+        "lcpflex.dynamics.contact_problem",
         "lcpflex.dynamics.delassus",
         "lcpflex.dynamics.joint_response",
         "lcpflex.dynamics.large_island",

@@ -22,6 +22,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
+from lcpflex.solvers.contact.algebra import PLANAR
 
 __all__ = [
     "RIGID",
@@ -153,7 +154,7 @@ def pose_position(
     total = n + n_tangent
     count_rows(work.rows, n_joint, n, n_tangent)
     lay_as_one(work)
-    describe_contacts(work, 0)
+    describe_contacts(work, 0, PLANAR)
     if n_tangent > 0:
         contact_biases(model, q, work.free.u, n, n_tangent, n_joint, work.rows)
     spread(work, flexibility, n_joint, n_joint + total)

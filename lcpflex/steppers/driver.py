@@ -18,6 +18,7 @@ from lcpflex.errors import ModelError, SolverError
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.solvers.auto import TARGET, Auto
 from lcpflex.solvers.certificate import guarded_residual
+from lcpflex.solvers.contact.algebra import PLANAR
 from lcpflex.solvers.contact.compiled import AUTO, METHODS, solve_contacts
 from lcpflex.solvers.contact.memory import ContactData, SolverMemory
 from lcpflex.solvers.contact.posed import (
@@ -113,7 +114,7 @@ class Watched:
             pose_begun(work, i)
             self._watch(work.posed.problem, work.impulses.solver)
             return
-        pose_island(work, i)
+        pose_island(work, i, PLANAR)
         judged = work.impulses.large_solver.judged
         work.impulses.solver.residual, work.impulses.solver.strict = judged.residual, judged.strict
         work.impulses.solver.iterations = work.impulses.large_solver.newton.factors

@@ -46,7 +46,7 @@ def solve_island(work: Workspace, i: int, tolerance: float, warm: bool, recorder
     """
     if not fits(work, i):
         return RunStatus.GROW
-    pose_island(work, i)
+    pose_island(work, i, PLANAR)
     if warm:
         recall_basis(work.posed.problem, work.impulses.solver, work.impulses.remembered)
     work.impulses.number = solve_contacts(work.posed.problem, work.impulses.solver)
@@ -169,7 +169,7 @@ def shorten_dense(work: Workspace, i: int) -> None:
     """The same of island i, of several contacts, as one dense problem."""
     islands, p, multipliers = work.posed.islands, work.impulses.p, work.scratch.multipliers
     if islands.count > 1:
-        pose_island(work, i)
+        pose_island(work, i, PLANAR)
     problem, part, n_joint = work.posed.problem, work.posed.part, work.rows.n_joint
     m = problem.n_contacts + problem.n_tangents
     for r in range(m):

@@ -49,13 +49,6 @@ def project_joints(
 
 
 @kernel
-def held_at(work: Workspace, k: int, before: int) -> float:
-    """Gap at which contact k is to be held: where it was when it closed; its present gap if it just did."""
-    gap = min(work.rows.table.gap[k], 0.0)
-    return max(work.impulses.held_gap[0, before], gap) if before >= 0 else gap
-
-
-@kernel
 def hold_contacts(step: float, tolerance: float, stay: float, active: bool, work: Workspace, recorder: Recorder) -> int:
     """Note in ``scratch.sunk`` how far contacts are below the gap they closed at; their number, 0 unless ``active``.
 
@@ -77,7 +70,9 @@ def hold_contacts(step: float, tolerance: float, stay: float, active: bool, work
             continue
         before = entry_of(impulses.held_key[0], impulses.n_held, rows.table.key[k], found)
         found = before + 1 if before >= 0 else found
-        target = held_at(work, k, before)
+        target = min(gap, 0.0)  # of a contact that just closed; of others where it was when they did
+        if before >= 0:
+            target = max(impulses.held_gap[0, before], target)
         leaving = row_velocity(rows.J, rows.body, n_joint + k, rows.dof, work.free.u)
         if leaving * step > stay - gap:
             continue
@@ -131,7 +126,7 @@ def lift_island(model: Model, work: Workspace, i: int, q: FloatArray) -> bool:
     if is_large(work, i):
         return lift_large_island(model, work, i, m, q)
     if islands.count > 1:
-        pose_island(work, i)
+        pose_island(work, i, PLANAR)
     if solve_normals(work.posed.problem, scratch.closed, scratch.drift, m, work.impulses.solver) != 0:
         return False
     for c in range(m):

@@ -22,9 +22,9 @@ import math
 from typing import Any
 
 from lcpflex.dynamics.acceleration import FORCE, POSITION, VELOCITY, eliminate, shorten, solve_consistent
-from lcpflex.dynamics.delassus import delassus, row_velocity
+from lcpflex.dynamics.contact_problem import pose_rows
+from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.impulse import answer_joints
-from lcpflex.dynamics.joint_response import condense
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.shared_sets import share_sets, slides
 from lcpflex.dynamics.spatial.symmetric_sets import solve_symmetric
@@ -148,7 +148,7 @@ def find_slips(work: SpatialWork, sets: SpatialContactSets, u: FloatArray) -> No
 @kernel
 def pose_on_sets(work: SpatialWork, sets: SpatialContactSets, i: int) -> int:
     """The operator of island i, joints condensed, to ``scratch.G``: its normal rows, then pairs of tangential ones."""
-    part, contact, n_joint = work.posed.part, work.posed.islands.contact, work.rows.n_joint
+    part, contact = work.posed.part, work.posed.islands.contact
     problem, table = work.posed.problem, work.rows.table
     first = work.posed.islands.start[i]
     n = work.posed.islands.start[i + 1] - first
@@ -167,14 +167,7 @@ def pose_on_sets(work: SpatialWork, sets: SpatialContactSets, i: int) -> int:
             m += 2
     problem.n_contacts = n
     problem.n_tangents = m - n
-    delassus(work.rows.J[n_joint:], work.rows.solved[n_joint:], work.rows.body[n_joint:], part, m, work.scratch.G)
-    for r in range(m):
-        sets.free[r] = work.free.v[n_joint + part[r]]
-    if n_joint > 0:
-        condense(work.rows, part, n_joint, m, work.scratch.G, sets.free)
-    for c in range(n):
-        work.posed.own[part[c]] = work.scratch.G[c, c]
-        work.posed.effect[part[c]] = sets.free[c]
+    pose_rows(work, m, work.scratch.G, sets.free)
     return n
 
 

@@ -19,6 +19,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
+from lcpflex.solvers.contact.algebra import PLANAR
 from lcpflex.steppers.event_driven.bounces import note_strike, too_low
 from lcpflex.steppers.event_driven.memory import (
     EventMemory,
@@ -195,7 +196,7 @@ def strike_alone(
 ) -> int:
     """Impact of the only contact laid, by a law that integrates it."""
     restitution = model.contacts.restitution[work.rows.table.law[0]]
-    pose_island(work, 0)
+    pose_island(work, 0, PLANAR)
     forget_islands(work.posed.islands)
     count = impact_phases(settings.law, work.posed.problem, restitution, memory.segments)
     if count < 0:

@@ -14,7 +14,7 @@ from lcpflex.dynamics.acceleration import (
     STICKING,
     pose_sets,
 )
-from lcpflex.dynamics.contact_problem import lay_contacts
+from lcpflex.dynamics.contact_problem import lay_contacts, list_tangents
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impulse import answer_joints
 from lcpflex.dynamics.large_island import prepare_large
@@ -173,10 +173,7 @@ def pose_modes(model: Model, alpha_c: float, work: Workspace, scheme: AlphaSchem
 
     alpha_c: dv/dw of the velocity at the end of the step [s], which slip that turns asks for in space.
     """
-    for k in range(work.rows.n_contacts):
-        scheme.sets.tangent_of[k] = -1
-    for j in range(work.rows.n_tangents):
-        scheme.sets.tangent_of[work.rows.tangent[j]] = j
+    list_tangents(work.rows, scheme.sets.tangent_of)
     return 1 if pose_sets(work, scheme.sets) == work.rows.n_tangents else 0
 
 

@@ -6,7 +6,7 @@ several problems, in the order of :mod:`lcpflex.steppers.strike_order`; the last
 
 from __future__ import annotations
 
-from lcpflex.dynamics.contact_problem import lay_contacts
+from lcpflex.dynamics.contact_problem import lay_contacts, list_tangents
 from lcpflex.dynamics.delassus import apply_impulses, free_velocities, row_velocity
 from lcpflex.dynamics.large_island import prepare_large
 from lcpflex.dynamics.mechanics import multiply
@@ -76,9 +76,7 @@ def lay_free(n: int, n_tangent: int, work: Workspace, scheme: AlphaScheme) -> No
     for k in range(n):
         i = scheme.matched[k]
         work.impulses.p[n_joint + k] = -h * scheme.resting.load[i, 0] if i >= 0 and first else 0.0
-        work.posed.tangent_of[k] = -1
-    for j in range(n_tangent - 1, -1, -1):  # in space two of each contact, and the first is told
-        work.posed.tangent_of[work.rows.tangent[j]] = j
+    list_tangents(work.rows, work.posed.tangent_of)
     for j in range(n_tangent):
         k = work.rows.tangent[j]
         if scheme.matched[k] >= 0 and first:

@@ -18,6 +18,7 @@ from typing import Any
 from lcpflex.contact.detection import detect
 from lcpflex.contact.spatial.table import SpatialContactTable, side_of, with_edge
 from lcpflex.dynamics.acceleration import FORCE
+from lcpflex.dynamics.contact_problem import list_tangents
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.mechanics import fill_contact_rows, solve_vector
 from lcpflex.dynamics.spatial.acceleration import SLIDING, across, slip_of
@@ -90,10 +91,7 @@ def pose_modes(model: Any, alpha_c: float, work: SpatialWork, scheme: Any) -> in
     sets, push = scheme.sets, scheme.momentum
     sets.level = FORCE
     n_joint, n = work.rows.n_joint, work.rows.n_contacts
-    for k in range(n):
-        sets.tangent_of[k] = -1
-    for j in range(work.rows.n_tangents - 1, -1, -1):  # two of each contact, and the first is told
-        sets.tangent_of[work.rows.tangent[j]] = j
+    list_tangents(work.rows, sets.tangent_of)
     again = scheme.turn > 0
     if again:
         for i in range(len(push)):

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.dynamics.contact_problem import fits
+from lcpflex.dynamics.contact_problem import fits, pose_island
 from lcpflex.dynamics.large_island import describe_island as describe_bodies, is_large
 from lcpflex.dynamics.spatial.cone_sweeps import judge_island, sweep_island
-from lcpflex.dynamics.spatial.contact_problem import describe_island, give_forces, has_joints, pose_island, take_forces
+from lcpflex.dynamics.spatial.contact_problem import describe_island, give_forces, has_joints, take_forces
 from lcpflex.dynamics.spatial.held_islands import GOES_ON, hold_island, moves, way_of_motion
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.least_cones import shorten_island
@@ -89,7 +89,7 @@ def keep_island(work: SpatialWork, i: int) -> None:
 @kernel
 def pose_begun(work: SpatialWork, i: int) -> None:
     """``posed.problem`` of island i, and in ``impulses.solver`` the forces ``impulses.p`` to begin from."""
-    pose_island(work, i)
+    pose_island(work, i, IN_SPACE)
     give_forces(work)
 
 
@@ -102,7 +102,7 @@ def solve_posed(work: SpatialWork, i: int, tolerance: float) -> int:
     if memory.known == NOTHING_KNOWN:
         pose_begun(work, i)
     else:  # forces wait for the problem posed
-        pose_island(work, i)
+        pose_island(work, i, IN_SPACE)
     work.impulses.number = solve_cones(work.posed.problem, memory)
     if work.impulses.number != 0 or not memory.residual <= tolerance:
         return RunStatus.SOLVER_FAILED

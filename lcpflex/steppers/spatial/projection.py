@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from lcpflex.dynamics.contact_problem import pose_island
 from lcpflex.dynamics.large_island import describe_island as describe_bodies, is_large
-from lcpflex.dynamics.spatial.contact_problem import describe_island, has_joints, pose_island
+from lcpflex.dynamics.spatial.contact_problem import describe_island, has_joints
 from lcpflex.dynamics.spatial.delassus import speeds
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.mechanics import displace
@@ -45,7 +46,7 @@ def lift_island(model: SpatialModel, work: SpatialWork, i: int, q: FloatArray) -
     if held and is_large(work, i):
         return lift_in_bodies(model, work, i, m, q)
     if held:
-        pose_island(work, i)
+        pose_island(work, i, IN_SPACE)
     else:
         describe_island(work, i)
     for d in range(len(work.impulses.solver.scene.x)):

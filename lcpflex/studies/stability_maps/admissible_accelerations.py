@@ -41,6 +41,7 @@ from lcpflex.jit.dispatch import link
 from lcpflex.scene.planar_only import refuse_space
 from lcpflex.scene.scene import Scene
 from lcpflex.scene.user_system import UserSystem
+from lcpflex.solvers.contact.algebra import PLANAR
 from lcpflex.solvers.contact.compiled import row_forces
 from lcpflex.solvers.contact.posed import posed_lcp
 from lcpflex.solvers.lcp.enumeration import LARGEST, Enumeration
@@ -246,7 +247,7 @@ class _Instant:
                     sets.mode[k] = STICKING
         pose_sets(work, sets)
         one_island(work.posed.islands, n)
-        pose_island(work, 0)
+        pose_island(work, 0, PLANAR)
         return posed_lcp(work.posed.problem, work.impulses.solver)
 
     def alike(self, a: AdmissibleMotion, b: AdmissibleMotion) -> bool:

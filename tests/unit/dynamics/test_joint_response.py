@@ -19,6 +19,7 @@ from lcpflex.dynamics.joint_response import factorise_joints, joint_impulses, re
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import parts_of
+from lcpflex.solvers.contact.algebra import PLANAR
 from lcpflex.steppers.system import System
 from tests.scenes import floor_of
 
@@ -141,7 +142,7 @@ def test_condensed_contacts(name: str) -> None:
     G, b = W @ solved.T, work.free.v[:total].copy()
     lay_contacts(work)
     one_island(work.posed.islands, work.rows.n_contacts)
-    pose_island(work, 0)
+    pose_island(work, 0, PLANAR)
     pinned = np.linalg.pinv(G[:n, :n], rcond=1e-9, hermitian=True)
     scale = np.abs(G[n:, n:]).max()
     m = total - n
