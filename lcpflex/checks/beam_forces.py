@@ -12,7 +12,7 @@ from lcpflex.checks.buckling import Support
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.contact.near import near
 from lcpflex.contact.rows import contact_point, contact_rows
-from lcpflex.dynamics.applied_forces import TORQUE, applied_forces, stretch
+from lcpflex.dynamics.applied_forces import TORQUE, applied_forces, spring_stretch
 from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces
 from lcpflex.dynamics.inertia import arrow, factorise
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -86,7 +86,7 @@ class BeamForces:
             gx, gy, turn_p, turn_q, _ = coordinate_gradient(*of)
             rate = gx * motion.vx + gy * motion.vy + turn_p * motion.spin_p + turn_q * motion.spin_q
             stiffness, damping, _ = loads.spring_value[k]
-            pull = -(stiffness * stretch(self._model, q, k) + damping * rate) * np.array([gx, gy])
+            pull = -(stiffness * spring_stretch(self._model, q, k) + damping * rate) * np.array([gx, gy])
             for p, force in zip(ends, (pull, -pull), strict=True):
                 if int(points.body[p]) in pulls:
                     pulls[int(points.body[p])].append((float(points.place[p, 0]), force))

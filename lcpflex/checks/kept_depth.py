@@ -9,7 +9,6 @@ last instant, and contacts that have been closed for a while: with the stiffness
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -103,12 +102,11 @@ def stiffness_of(model: Model, q: FloatArray) -> FloatArray:
     n = int(dof[-1])
     K, still, away = np.zeros((n, n)), np.zeros(n), np.zeros(n)
     if len(model.loads.spring_kind):
-        forces = _spring_forces(model)
         step = DIFFERENCE * max(1.0, float(np.abs(q).max()))
         for j in range(n):
             for side in (1.0, -1.0):
                 moved, force = _moved(model, q, j, side * step), np.zeros(n)
-                forces(model, moved, still, force, away)
+                spring_forces(model, moved, still, force, away)
                 K[:, j] -= side * force / (2.0 * step)
     elastic = np.concatenate([np.arange(a + rigid, b) for a, b in pairwise(dof)])
     K[elastic, elastic] += model.bodies.stiffness
@@ -120,15 +118,6 @@ def stiffness_of(model: Model, q: FloatArray) -> FloatArray:
         add_tangent(model.bodies, b, q[own], 1.0, True, axial)
         K[own, own] += axial
     return K
-
-
-def _spring_forces(model: Model) -> Callable[..., None]:
-    """The kernel of the forces of springs."""
-    if not is_spatial(model):
-        return spring_forces
-    from lcpflex.dynamics.spatial.applied_forces import spring_forces as in_space
-
-    return in_space
 
 
 def _moved(model: Model, q: FloatArray, j: int, way: float) -> FloatArray:

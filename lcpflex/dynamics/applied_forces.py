@@ -11,11 +11,22 @@ import math
 
 from lcpflex.dynamics.load_means import force_value
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.points import Arm, add_point_row, add_rotation_row, point_angle
 from lcpflex.kinematics.relative import add_gradient, apart, coordinate_gradient, coordinate_value, relative_motion
 from lcpflex.model.arrays import Model
 
-__all__ = ["EFFORTS", "FOLLOWER", "FORCE", "TORQUE", "applied_forces", "effort", "spring_energy"]
+__all__ = [
+    "EFFORTS",
+    "FOLLOWER",
+    "FORCE",
+    "TORQUE",
+    "applied_forces",
+    "effort",
+    "spring_energy",
+    "spring_forces",
+    "spring_stretch",
+]
 
 EFFORTS = ("force", "follower", "torque")  # in world axes; in axes that turn with the material; on the material
 FORCE, FOLLOWER, TORQUE = range(len(EFFORTS))
@@ -41,8 +52,9 @@ def add_forces(
     add_gradient(model.points, (i, j), arms, gradient, size, on_p, on_q)
 
 
+@in_space("lcpflex.dynamics.spatial.applied_forces")
 @kernel
-def stretch(model: Model, q: FloatArray, k: int) -> float:
+def spring_stretch(model: Model, q: FloatArray, k: int) -> float:
     """c - rest of spring k [m] or [rad]."""
     loads = model.loads
     at = apart(model.bodies, model.points, q, loads.spring_point[k, 0], loads.spring_point[k, 1])
@@ -50,6 +62,7 @@ def stretch(model: Model, q: FloatArray, k: int) -> float:
     return coordinate_value(loads.spring_kind[k], at, axis[0], axis[1]) - loads.spring_value[k, 2]
 
 
+@in_space("lcpflex.dynamics.spatial.applied_forces")
 @kernel
 def spring_forces(
     model: Model, q: FloatArray, u: FloatArray, conservative: FloatArray, dissipative: FloatArray
@@ -66,12 +79,13 @@ def spring_forces(
         gradient = coordinate_gradient(loads.spring_kind[k], at, motion, axis[0], axis[1])
         gx, gy, turn_p, turn_q, _ = gradient
         rate = gx * motion.vx + gy * motion.vy + turn_p * motion.spin_p + turn_q * motion.spin_q
-        tension = -loads.spring_value[k, 0] * stretch(model, q, k)
+        tension = -loads.spring_value[k, 0] * spring_stretch(model, q, k)
         add_forces(model, arms, k, gradient, tension, conservative)
         drag = -loads.spring_value[k, 1] * rate
         add_forces(model, arms, k, gradient, drag, dissipative)
 
 
+@in_space("lcpflex.dynamics.spatial.applied_forces")
 @late_kernel
 def effort(
     model: Model, q: FloatArray, k: int, t: float, span: FloatArray, external: FloatArray, force: FloatArray
@@ -119,6 +133,6 @@ def spring_energy(model: Model, q: FloatArray) -> float:
     """Energy stored in all springs, the sum of k (c - rest)^2 / 2 [J]."""
     energy = 0.0
     for k in range(len(model.loads.spring_kind)):
-        size = stretch(model, q, k)
+        size = spring_stretch(model, q, k)
         energy += 0.5 * model.loads.spring_value[k, 0] * size * size
     return energy

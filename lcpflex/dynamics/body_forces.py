@@ -7,6 +7,7 @@ import math
 from lcpflex.dynamics.inertia import Arrow, add_row_product, couple_modes, deformed_moments, stiffened
 from lcpflex.dynamics.shortening import shortening_energy, shortening_forces, shortens
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Bodies, Loads
 from lcpflex.model.planar import N_RIGID
 
@@ -85,6 +86,7 @@ def elastic_forces(
             add_row_product(u[d + N_RIGID : d + N_RIGID + n], matrix, -1.0, dissipative[d + N_RIGID : d + N_RIGID + n])
 
 
+@in_space("lcpflex.dynamics.spatial.body_forces")
 @kernel
 def stored_energies(
     bodies: Bodies, loads: Loads, q: FloatArray, u: FloatArray, work: Arrow

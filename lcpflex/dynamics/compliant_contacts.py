@@ -88,6 +88,7 @@ def compliant_contacts(
         joints=joints,
         body=np.full((sizes["rows"], 2), -1, dtype=np.int64),
         n_joint=n,
+        across=each - 1,
     )
     return allocate(
         SpatialCompliantContacts if in_space else CompliantContacts,

@@ -47,6 +47,8 @@ def lay_as_one(work: Workspace) -> None:
     work.posed.on_sets = 0
     work.posed.shifted = 0
     work.posed.lifted = 0
+    if work.rows.across == 1 or work.rows.n_contacts < 2:  # the least forces: in space sought once
+        work.posed.islands.shortened = 0
     list_tangents(work.rows, work.posed.tangent_of)
     one_island(work.posed.islands, work.rows.n_contacts)
 

@@ -152,6 +152,7 @@ def couple_modes(bodies: Bodies, q: FloatArray, b: int, work: Arrow) -> None:
             couple[first + k, 2] += turn[k]
 
 
+@in_space("lcpflex.dynamics.spatial.inertia")
 @kernel
 def factorise(bodies: Bodies, q: FloatArray, alpha_c: float, alpha_k: float, work: Arrow) -> None:
     """Factorise M(q) + alpha_c C + alpha_k K of every body (C: diagonal part of the modal damping)."""
@@ -243,6 +244,7 @@ def solve_rigid(work: Arrow, b: int, x: float, y: float, t: float) -> tuple[floa
     return x, y, t
 
 
+@in_space("lcpflex.dynamics.spatial.inertia_solve")
 @kernel
 def solve_block(bodies: Bodies, work: Arrow, b: int, right: FloatArray, out: FloatArray) -> None:
     """out = (M + ...)^-1 right for the block (3 + n,) of body b; ``out`` may be ``right`` itself."""

@@ -70,7 +70,6 @@ def one_island(of: Islands, n: int) -> None:
     """All n contacts together, if there are any or none: a problem without contacts is one, too."""
     of.count = 1
     of.next = 0
-    of.shortened = 0
     of.start[0] = 0
     of.start[1] = n
     for k in range(n):

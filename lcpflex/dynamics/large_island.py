@@ -11,7 +11,6 @@ from lcpflex.dynamics.islands import root
 from lcpflex.dynamics.mechanics import whiten_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
-from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.index_sets import STICKING
 from lcpflex.solvers.contact.recollection import place_of
@@ -77,7 +76,6 @@ def restore_free(work: Workspace) -> None:
         work.free.v[r] = work.scratch.aside[k, 1]
 
 
-@in_space("lcpflex.dynamics.spatial.large_island")
 @kernel
 def prepare_large(model: Model, work: Workspace) -> None:
     """Rows by L^-1 where there are large islands."""

@@ -65,7 +65,6 @@ def forces(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace
         free.total[i] = free.conservative[i] + free.dissipative[i] + free.driving[i]
 
 
-@in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def factorise(model: Model, q: FloatArray, alpha_c: float, alpha_k: float, work: Workspace) -> None:
     """Factorise M(q) + alpha_c C + alpha_k K."""
@@ -79,7 +78,6 @@ def multiply(model: Model, q: FloatArray, x: FloatArray, work: Workspace, out: F
     multiply_bodies(model.bodies, q, x, work.rows.arrow, out)
 
 
-@in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def solve_vector(model: Model, work: Workspace, x: FloatArray) -> None:
     """x <- A^-1 x for a vector over all degrees of freedom."""
@@ -121,15 +119,14 @@ def fill_joint_rows(model: Model, t: float, q: FloatArray, u: FloatArray, extern
     joint_rows(model, t, q, u, external, rows.J, rows.body, rows.wrench, rows.rate, rows.bias)
 
 
-@in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def fill_contact_rows(model: Model, q: FloatArray, n: int, n_joint: int, rows: Rows) -> int:
     """Rows of the first n contacts of the table at q, behind the joint rows: normals, then tangents where mu > 0.
 
-    Returns the number of tangential rows.
+    In space two tangential rows a contact, t1 and t2 = n x t1, one behind the other. Returns how many there are.
     """
-    table = rows.table
-    scratch = len(rows.J) - 1
+    table, row_body, across = rows.table, rows.body, rows.across
+    scratch = len(rows.J) - across
     n_tangent = 0
     for k in range(n):
         mu = model.contacts.friction[table.law[k]]
@@ -138,12 +135,15 @@ def fill_contact_rows(model: Model, q: FloatArray, n: int, n_joint: int, rows: R
         s = scratch
         if mu > 0.0:
             s = n_joint + n + n_tangent
-            rows.tangent[n_tangent] = k
-            n_tangent += 1
-        contact_rows(model, q, table, k, rows.J[r], rows.J[s : s + 1])
+            for t in range(across):
+                rows.tangent[n_tangent + t] = k
+            n_tangent += across
+        contact_rows(model, q, table, k, rows.J[r], rows.J[s : s + across])
         for i in range(2):
-            rows.body[r, i] = table.body[k, i]
-            rows.body[s, i] = table.body[k, i]
+            b = table.body[k, i]
+            row_body[r, i] = b
+            for t in range(across):
+                row_body[s + t, i] = b
     return n_tangent
 
 
@@ -155,7 +155,6 @@ def count_rows(rows: Rows, n_joint: int, n_contacts: int, n_tangents: int) -> No
     rows.n_tangents = n_tangents
 
 
-@in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def contact_biases(
     model: Model, q: FloatArray, u: FloatArray, n: int, n_tangent: int, n_joint: int, rows: Rows
@@ -163,11 +162,12 @@ def contact_biases(
     """bias[r] = w_N and w_T of the contact rows laid out by ``fill_contact_rows``."""
     tangent = 0
     for k in range(n):
-        w_n, w_t = contact_bias(model, q, u, rows.table, k)
-        rows.bias[n_joint + k] = w_n
+        bias = contact_bias(model, q, u, rows.table, k)
+        rows.bias[n_joint + k] = bias[0]
         if tangent < n_tangent and rows.tangent[tangent] == k:
-            rows.bias[n_joint + n + tangent] = w_t
-            tangent += 1
+            for t in range(rows.across):
+                rows.bias[n_joint + n + tangent + t] = bias[1 + t]
+            tangent += rows.across
 
 
 @in_space("lcpflex.dynamics.spatial.mechanics")
@@ -177,7 +177,6 @@ def displace(model: Model, rows: Rows, first: int, last: int, p: FloatArray, q: 
     apply_impulses(rows.solved, rows.body, first, last, p, rows.dof, q)
 
 
-@in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def energies(model: Model, q: FloatArray, u: FloatArray, work: Workspace) -> tuple[float, float, float]:
     """Kinetic, elastic (bodies) and potential (weight, springs) energy [J]."""

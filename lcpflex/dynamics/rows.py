@@ -36,6 +36,7 @@ class Rows:
     n_joint: int  # joint rows at hand
     n_contacts: int
     n_tangents: int  # tangential rows
+    across: int  # of a contact with friction: 1 in the plane, 2 in space
 
 
 SpatialRows = spatial(Rows)

@@ -91,6 +91,7 @@ def workspace(
         dense=compliant.rows.dense,
         joints=joints,
         body=np.full((sizes["rows"], 2), -1, dtype=np.int64),
+        across=each - 1,
     )
     free, problem = allocate(FreeMotion, sizes), _problem(dense, in_space)
     impulses = _impulses(sizes, rows, problem, in_space, before.impulses if before else None)

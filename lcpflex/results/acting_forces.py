@@ -24,7 +24,7 @@ from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.contact.narrow_phase.feature import SEGMENT
 from lcpflex.contact.rows import contact_rows
 from lcpflex.contact.table import ContactTable
-from lcpflex.dynamics.applied_forces import applied_forces, stretch
+from lcpflex.dynamics.applied_forces import applied_forces, spring_stretch
 from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces
 from lcpflex.dynamics.inertia import Arrow, arrow, factorise, solve_block
 from lcpflex.errors import ModelError
@@ -162,7 +162,7 @@ class ActingForces:
             axis = own.spring_axis[k].tolist()
             gx, gy, turn_p, turn_q, _ = coordinate_gradient(int(own.spring_kind[k]), at, motion, *axis)
             rate = gx * motion.vx + gy * motion.vy + turn_p * motion.spin_p + turn_q * motion.spin_q
-            size = -float(own.spring_value[k, 0] * stretch(model, q, k) + own.spring_value[k, 1] * rate)
+            size = -float(own.spring_value[k, 0] * spring_stretch(model, q, k) + own.spring_value[k, 1] * rate)
             for p, sign, turn in ((P, 1.0, turn_p), (Q, -1.0, turn_q)):
                 b = int(self._compiled.model.points.body[p])
                 if b >= 0:

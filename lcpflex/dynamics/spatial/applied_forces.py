@@ -36,8 +36,8 @@ __all__ = [
     "TORQUE",
     "TORQUE_FOLLOWER",
     "WOUND",
-    "applied_forces",
-    "spring_energy",
+    "effort",
+    "spring_forces",
     "spring_stretch",
     "spring_twist",
 ]
@@ -120,7 +120,7 @@ def components(model: SpatialModel, k: int, t: float, span: FloatArray, external
 
 
 @kernel
-def add_effort(
+def effort(
     model: SpatialModel, q: FloatArray, k: int, t: float, span: FloatArray, external: FloatArray, force: FloatArray
 ) -> None:
     """Add the generalised force of force or torque k."""
@@ -137,35 +137,3 @@ def add_effort(
         add_wrench(model.points, p, arm, f, NOTHING, block)
     else:
         add_wrench(model.points, p, arm, NOTHING, f, block)
-
-
-@kernel
-def applied_forces(
-    model: SpatialModel,
-    t: float,
-    q: FloatArray,
-    u: FloatArray,
-    span: FloatArray,
-    external: FloatArray,
-    conservative: FloatArray,
-    dissipative: FloatArray,
-    driving: FloatArray,
-) -> None:
-    """Add the generalised forces of springs, of dampers, and of forces and torques at time t, each (nu,).
-
-    ``span`` (2,) [s] before and after t over which forces and torques are averaged; ``external`` (slots, 3) holds what
-    Python callbacks supply at t.
-    """
-    spring_forces(model, q, u, conservative, dissipative)
-    for k in range(len(model.loads.force_kind)):
-        add_effort(model, q, k, t, span, external, driving)
-
-
-@kernel
-def spring_energy(model: SpatialModel, q: FloatArray) -> float:
-    """Energy stored in all springs, the sum of k (c - rest)^2 / 2 [J]."""
-    energy = 0.0
-    for k in range(len(model.loads.spring_kind)):
-        size = spring_stretch(model, q, k)
-        energy += 0.5 * model.loads.spring_value[k, 0] * size * size
-    return energy

@@ -12,12 +12,14 @@ contacts, which are not known yet: the forces of the last step stand for them wh
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.joint_response import solve_joints
+from lcpflex.dynamics.mechanics import solve_vector
 from lcpflex.dynamics.spatial.body_forces import inertial_forces
 from lcpflex.dynamics.spatial.inertia import SpatialWork
-from lcpflex.dynamics.spatial.mechanics import multiply, solve_vector
+from lcpflex.dynamics.spatial.mechanics import multiply
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.spatial import SpatialModel
 from lcpflex.solvers.contact.cones.recollection import known_force
@@ -54,7 +56,7 @@ def turn_on(model: SpatialModel, passes: int, h: float, u: FloatArray, work: Spa
 
 
 @kernel
-def correct_once(model: SpatialModel, h: float, u: FloatArray, work: SpatialWork) -> None:
+def correct_once(model: Any, h: float, u: FloatArray, work: SpatialWork) -> None:
     """One pass for ``work.free.u``, which changes by ``work.rows.arrow.shift``."""
     spin, mean, change = work.rows.arrow.spin, work.rows.arrow.mean, work.rows.arrow.shift
     for i in range(len(u)):

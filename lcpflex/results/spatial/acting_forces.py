@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lcpflex.compile.compiled_scene import CompiledScene
-from lcpflex.dynamics.spatial.applied_forces import add_effort
+from lcpflex.dynamics.spatial.applied_forces import effort
 from lcpflex.dynamics.spatial.body_forces import elastic_forces, inertial_forces, weight_forces
 from lcpflex.dynamics.spatial.inertia import factorise, factors
 from lcpflex.dynamics.spatial.inertia_solve import solve_block
@@ -147,7 +147,7 @@ class SpatialActingForces:
             b = int(self._own.points.body[p])
             if b >= 0:
                 force = np.zeros(int(self._own.bodies.dof[-1]))
-                add_effort(self._model, q, k, t, np.zeros(2), external, force)
+                effort(self._model, q, k, t, np.zeros(2), external, force)
                 found.append(PointWrench(b, ((p, 1.0),), force[self._dofs(b)]))
         return found
 

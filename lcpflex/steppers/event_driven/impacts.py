@@ -47,7 +47,6 @@ TIE = 1e-6  # of the velocity: contacts that approach as equally as that are tol
 CHAIN = 1000  # impacts of single contacts at one instant, after which they are simultaneous and without restitution
 
 
-@in_space("lcpflex.steppers.spatial.strikes")
 @kernel
 def account(model: Model, work: Workspace, memory: EventMemory, recorder: Recorder, u: FloatArray) -> None:
     """Energy and impulses of the impact just solved, u after, ``memory.u`` before: p does p (w . u + w . u+) / 2."""
@@ -67,21 +66,27 @@ def account(model: Model, work: Workspace, memory: EventMemory, recorder: Record
                 memory.y[base + 2] += done
             continue
         memory.gained += done
-        part = 0
         if r < n_joint + n:
             k = r - n_joint
             recorder.counts.lost_impacts -= done
+            if memory.jamming == 0 and memory.stopping != 1:
+                note_strike(memory, work.rows.table.key[k])
         else:
             k = work.rows.tangent[r - n_joint - n]
-            part = 1
             memory.y[base] -= done
         law = work.rows.table.law[k]
         memory.law_work[law] += done
-        if part == 0 and memory.jamming == 0 and memory.stopping != 1:
-            note_strike(memory, work.rows.table.key[k])
         if memory.law_state[2, law] == 0 and memory.stopping != 1:
             memory.law_state[2, law] = JAM if memory.jamming == 1 else HIT
-        memory.y[base + 3 + 2 * law + part] += p
+        add_to_sums(work, memory, r, k, p)
+
+
+@in_space("lcpflex.steppers.spatial.strikes")
+@kernel
+def add_to_sums(work: Workspace, memory: EventMemory, r: int, k: int, p: float) -> None:
+    """The impulse p on row r, of contact k, to those of its law so far."""
+    part = 1 if r >= work.rows.n_joint + work.rows.n_contacts else 0
+    memory.y[memory.nq + len(memory.u) + 3 + 2 * work.rows.table.law[k] + part] += p
 
 
 @kernel

@@ -7,14 +7,13 @@ import math
 import numpy as np
 import pytest
 
+from lcpflex.dynamics.applied_forces import applied_forces, spring_energy
 from lcpflex.dynamics.spatial.applied_forces import (
     FOLLOWER,
     FORCE,
     TORQUE,
     TORQUE_FOLLOWER,
     WOUND,
-    applied_forces,
-    spring_energy,
     spring_stretch,
 )
 from lcpflex.jit.kernel import FloatArray
