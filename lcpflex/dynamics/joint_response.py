@@ -25,7 +25,16 @@ from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.semidefinite import dot
 from lcpflex.solvers.sparse_cholesky import add_path, factorise_sparse, forget_path, solve_on_path, solve_sparse
 
-__all__ = ["condense", "couple", "assemble_joints", "factorise_joints", "joint_impulses", "respond", "solve_joints"]
+__all__ = [
+    "assemble_joints",
+    "condense",
+    "couple",
+    "factorise_joints",
+    "joint_impulses",
+    "respond",
+    "row_product",
+    "solve_joints",
+]
 
 MET = 1e-13  # of the largest rate that joints are to cancel: what their answer may leave
 CORRECTIONS = 3  # of an answer, at most

@@ -129,7 +129,7 @@ WRITERS: dict[str, tuple[str, ...]] = {
         "lcpflex.dynamics.spatial.gyroscopic",
         "lcpflex.dynamics.spatial.redundancy",
     ),
-    "Rows.arrow": ("lcpflex.dynamics.spatial.gyroscopic",),
+    "Rows.arrow": ("lcpflex.dynamics.spatial.gyroscopic", "lcpflex.dynamics.stable_step"),
     "Rows.solved": ("lcpflex.dynamics.position", "lcpflex.dynamics.stable_step"),  # by a matrix of their own
     "FreeMotion": (
         "lcpflex.dynamics.acceleration",
@@ -171,6 +171,7 @@ WRITERS: dict[str, tuple[str, ...]] = {
         "lcpflex.steppers.projection",  # the problem of a lift
         "lcpflex.steppers.spatial.island_problems",
     ),
+    "Posed.part": ("lcpflex.steppers.spatial.projection",),
     "Posed.problem": (
         "lcpflex.dynamics.contact_compliance",
         "lcpflex.dynamics.position",

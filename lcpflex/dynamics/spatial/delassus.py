@@ -9,20 +9,9 @@ from __future__ import annotations
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.solvers.contact.operators.scene import push_rows, row_velocities
+from lcpflex.solvers.contact.operators.scene import push_rows
 
-__all__ = ["add_impulses", "measure_free", "speeds"]
-
-
-@kernel
-def speeds(
-    rows: FloatArray, row_body: IntArray, dof: IntArray, free: FloatArray, r: int, s: int, x: FloatArray
-) -> tuple[float, float, float]:
-    """Velocities of the contact with the normal row r, tangential rows s and s + 1; s < 0: normal alone."""
-    v, v1, v2 = row_velocities(rows, row_body, dof, r, s, x)
-    if s < 0:
-        return free[r] + v, 0.0, 0.0
-    return free[r] + v, free[s] + v1, free[s + 1] + v2
+__all__ = ["add_impulses", "measure_free"]
 
 
 @kernel
