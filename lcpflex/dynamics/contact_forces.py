@@ -229,9 +229,10 @@ def add_normal_forces(model: Model, q: FloatArray, u: FloatArray, work: Workspac
 @kernel
 def add_friction(work: Workspace) -> None:
     """Add the generalised forces of friction to those in ``work``, to dissipative, and all to total."""
-    for i in range(len(work.free.total)):
-        work.free.dissipative[i] += work.compliant.friction[i]
-        work.free.total[i] = work.free.conservative[i] + work.free.dissipative[i] + work.free.driving[i]
+    free = work.free
+    for i in range(len(free.total)):
+        free.dissipative[i] += work.compliant.friction[i]
+        free.total[i] = free.conservative[i] + free.dissipative[i] + free.driving[i]
 
 
 @kernel

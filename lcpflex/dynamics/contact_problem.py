@@ -44,13 +44,14 @@ def lay_contacts(work: Workspace) -> None:
 @kernel
 def lay_as_one(work: Workspace) -> None:
     """The contacts of the rows laid as one island, under Coulomb's law and without joints."""
-    work.posed.on_sets = 0
-    work.posed.shifted = 0
-    work.posed.lifted = 0
+    posed = work.posed
+    posed.on_sets = 0
+    posed.shifted = 0
+    posed.lifted = 0
     if work.rows.across == 1 or work.rows.n_contacts < 2:  # the least forces: in space sought once
-        work.posed.islands.shortened = 0
-    list_tangents(work.rows, work.posed.tangent_of)
-    one_island(work.posed.islands, work.rows.n_contacts)
+        posed.islands.shortened = 0
+    list_tangents(work.rows, posed.tangent_of)
+    one_island(posed.islands, work.rows.n_contacts)
 
 
 @kernel

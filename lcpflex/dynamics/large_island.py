@@ -39,12 +39,13 @@ def is_free(work: Workspace, i: int) -> bool:
     Bound are those that are known to slide one way, whose friction acts in the column of the normal force, and normal
     forces with a least value.
     """
-    if work.posed.shifted == 1:
+    posed = work.posed
+    if posed.shifted == 1:
         return False
-    if work.posed.on_sets == 1:
-        islands = work.posed.islands
+    if posed.on_sets == 1:
+        islands = posed.islands
         for c in range(islands.start[i], islands.start[i + 1]):
-            if work.posed.mode[islands.contact[c]] > STICKING:
+            if posed.mode[islands.contact[c]] > STICKING:
                 return False
     return True
 

@@ -44,13 +44,14 @@ def solve_island(work: Workspace, i: int, tolerance: float, warm: bool, recorder
 
     As one dense problem; warm: from what contacts did in the last step.
     """
+    impulses = work.impulses
     if not fits(work, i):
         return RunStatus.GROW
     pose_island(work, i, PLANAR)
     if warm:
-        recall_basis(work.posed.problem, work.impulses.solver, work.impulses.remembered)
-    work.impulses.number = solve_contacts(work.posed.problem, work.impulses.solver)
-    if work.impulses.number != 0 or not work.impulses.solver.residual <= tolerance:
+        recall_basis(work.posed.problem, impulses.solver, impulses.remembered)
+    impulses.number = solve_contacts(work.posed.problem, impulses.solver)
+    if impulses.number != 0 or not impulses.solver.residual <= tolerance:
         return RunStatus.SOLVER_FAILED
     note_certificate(work, recorder)
     take_forces(work)

@@ -30,21 +30,22 @@ def project_joints(
     model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace, recorder: Recorder, tolerance: float
 ) -> None:
     """q += A^-1 J^T d until |phi(q, t)| <= tolerance, with the rows of the step (a simplified Newton method)."""
-    n_joint = len(work.scratch.residual)
+    scratch = work.scratch
+    n_joint = len(scratch.residual)
     if n_joint == 0:
         return
     supply(model, t, q, u, work)
     for _ in range(8):
-        joint_residual(model, t, q, work.free.external, work.scratch.residual)
+        joint_residual(model, t, q, work.free.external, scratch.residual)
         drift = 0.0
         for j in range(n_joint):
-            drift = max(drift, abs(work.scratch.residual[j]))
+            drift = max(drift, abs(scratch.residual[j]))
         if drift <= tolerance:
             break
         for j in range(n_joint):
-            work.scratch.multipliers[j] = -work.scratch.residual[j]
-        solve_joints(work.rows, work.scratch.multipliers)
-        displace(model, work.rows, 0, n_joint, work.scratch.multipliers, q)
+            scratch.multipliers[j] = -scratch.residual[j]
+        solve_joints(work.rows, scratch.multipliers)
+        displace(model, work.rows, 0, n_joint, scratch.multipliers, q)
     recorder.counts.worst_drift = max(recorder.counts.worst_drift, drift)
 
 

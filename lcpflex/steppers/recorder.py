@@ -271,19 +271,21 @@ def note_planar_compliant(
 @kernel
 def note_gain(recorder: Recorder, t: float, work: float) -> None:
     """Keep account of contact impulses that together did positive work: no passive contact does."""
+    counts = recorder.counts
     if work > 0.0:
-        recorder.counts.gained += work
-        if work > recorder.counts.largest_gain:
-            recorder.counts.largest_gain = work
-            recorder.counts.gain_time = t
+        counts.gained += work
+        if work > counts.largest_gain:
+            counts.largest_gain = work
+            counts.gain_time = t
 
 
 @kernel
 def note_certificate(work: Workspace, recorder: Recorder) -> None:
     """Keep the worst residuals and size of the contact problems."""
-    recorder.counts.worst_residual = max(recorder.counts.worst_residual, work.impulses.solver.residual)
-    recorder.counts.worst_size = max(recorder.counts.worst_size, work.impulses.solver.size)
-    recorder.counts.worst_relative = max(recorder.counts.worst_relative, work.impulses.solver.strict)
+    counts = recorder.counts
+    counts.worst_residual = max(counts.worst_residual, work.impulses.solver.residual)
+    counts.worst_size = max(counts.worst_size, work.impulses.solver.size)
+    counts.worst_relative = max(counts.worst_relative, work.impulses.solver.strict)
 
 
 @kernel

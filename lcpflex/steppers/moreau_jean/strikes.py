@@ -109,15 +109,16 @@ def closes_with_impact(model: Model, scheme: MoreauJeanScheme, work: Workspace, 
 
     Not where it stayed closed over the step before: what it approaches by is then the turn of its normal.
     """
-    r = work.rows.n_joint + k
+    rows = work.rows
+    r = rows.n_joint + k
     if not work.impulses.p[r] > 0.0:
         return False
     if scheme.order.rounds > 0 and scheme.order.closes[k] == 1:
         return True
-    before = row_velocity(work.rows.J, work.rows.body, r, work.rows.dof, scheme.u)
+    before = row_velocity(rows.J, rows.body, r, rows.dof, scheme.u)
     free = work.posed.effect[k]
     if abs(before) > scheme.velocity_threshold:
-        free -= model.contacts.restitution[work.rows.table.law[k]] * before
+        free -= model.contacts.restitution[rows.table.law[k]] * before
     if not -before > IMPACT * abs(free - before) + SLOWER * scheme.tolerance * work.free.terms[k]:
         return False
-    return bool(entry_of(work.impulses.held_key[0], work.impulses.n_held, work.rows.table.key[k], 0) < 0)
+    return bool(entry_of(work.impulses.held_key[0], work.impulses.n_held, rows.table.key[k], 0) < 0)
