@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +14,7 @@ from lcpflex.basics.arguments import numbers, point_of
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arrays import as_array, check_finite, finite_array
+from lcpflex.solvers.balance import NOTHING, Units, contact_units
 
 __all__ = [
     "DENSE_LARGEST", "PosedContacts", "as_dense", "check_dense", "coefficients", "diagonal_of", "in_units_of",
@@ -180,6 +181,48 @@ class PosedContacts:
     def _rows(friction: FloatArray) -> tuple[int, str]:
         """How many rows contacts have, and for what."""
         raise NotImplementedError
+
+    @property
+    def row_contacts(self) -> IntArray:
+        """(m,) the contact of each row."""
+        raise NotImplementedError
+
+    def rows_of(self, contacts: IntArray) -> IntArray:
+        """The rows of some contacts, whose numbers rise."""
+        raise NotImplementedError
+
+    @property
+    def unknown_units(self) -> Units:
+        """The units of the unknowns, and the load."""
+        raise NotImplementedError
+
+    @property
+    def units(self) -> FloatArray:
+        """(n,) d_k = 1 / sqrt(max diag G_kk) of each contact: see :mod:`lcpflex.solvers.balance`."""
+        if "units" not in self._kept:
+            own = np.zeros(len(self.friction))
+            np.maximum.at(own, self.row_contacts, self.diagonal)
+            contact_units(own, len(own), NOTHING)
+            self._kept["units"] = own
+        return self._kept["units"]  # type: ignore[no-any-return]
+
+    @property
+    def row_units(self) -> FloatArray:
+        """(m,) :attr:`units` of the contact of each row."""
+        return self.units[self.row_contacts]
+
+    def balanced(self) -> Self:
+        """The same contacts, each measured by its own diagonal: what comes out does not depend on units.
+
+        With D the diagonal matrix of :attr:`row_units`: D G D and D free over a power of two; friction as it is.
+        """
+        if "balanced" not in self._kept:
+            d, load = self.row_units, self.unknown_units.load
+            delassus, factor = in_units_of(self._data[0], self._data[3], d)
+            alike = type(self)(delassus, self.free / load * d, self.friction, self.keys, factor)
+            alike._kept["units"] = np.ones(len(self.friction))
+            self._kept["balanced"] = alike
+        return self._kept["balanced"]  # type: ignore[no-any-return]
 
     @property
     def data(self) -> tuple[Any, FloatArray, FloatArray, Any]:

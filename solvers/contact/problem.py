@@ -17,11 +17,11 @@ from lcpflex.basics import libs
 from lcpflex.basics.arguments import flag, point_of
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess, check_solver
-from lcpflex.solvers.balance import NOTHING, Units, contact_units, unknown_units
+from lcpflex.solvers.balance import Units, unknown_units
 from lcpflex.solvers.certificate import largest_measures
 from lcpflex.solvers.contact.coupling import MOST_BLOCKS, Coupling, coupling_of
 from lcpflex.solvers.contact.lcp_forms import assemble_copositive_lcp, assemble_friction_lcp, split_friction_solution
-from lcpflex.solvers.contact.matrices import PosedContacts, as_dense, check_dense, in_units_of
+from lcpflex.solvers.contact.matrices import PosedContacts, as_dense, check_dense
 from lcpflex.solvers.lcp.exact_residual import largest_of_each
 from lcpflex.solvers.lcp.exact_systems import ExactSystem, contact_rows
 from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status, accept, confirmed
@@ -75,22 +75,14 @@ class ContactProblem(PosedContacts):
         return self._kept["tangent"]  # type: ignore[no-any-return]
 
     @property
-    def units(self) -> FloatArray:
-        """(n_N,) d_k = 1 / sqrt(max(G_NN, G_TT)) of each contact: see :mod:`lcpflex.solvers.balance`."""
-        if "units" not in self._kept:
-            tangent, normals = self.tangent, len(self.friction)
-            diagonal = self.diagonal
-            own = np.array(diagonal[:normals])
-            own[tangent] = np.maximum(own[tangent], diagonal[normals:])
-            own = np.maximum(own, 0.0)
-            contact_units(own, normals, NOTHING)
-            self._kept["units"] = own
-        return self._kept["units"]  # type: ignore[no-any-return]
+    def row_contacts(self) -> IntArray:
+        """(m,) the contact of each row."""
+        return np.concatenate([np.arange(len(self.friction)), self.tangent])
 
-    @property
-    def row_units(self) -> FloatArray:
-        """(m,) :attr:`units` of the contact of each row."""
-        return np.concatenate([self.units, self.units[self.tangent]])
+    def rows_of(self, contacts: IntArray) -> IntArray:
+        """See :meth:`.PosedContacts.rows_of`."""
+        rubbing = contacts[self.friction[contacts] > 0.0]
+        return np.concatenate([contacts, len(self.friction) + np.searchsorted(self.tangent, rubbing)])
 
     @property
     def unknown_units(self) -> Units:
@@ -102,20 +94,11 @@ class ContactProblem(PosedContacts):
         return self._kept["unknown units"]  # type: ignore[no-any-return]
 
     def balanced(self) -> ContactProblem:
-        """The same contacts, each measured by its own diagonal: what comes out does not depend on units.
-
-        With D the diagonal matrix of :attr:`row_units`: D G D and D free, friction as it is.
-        """
-        if "balanced" in self._kept:
-            return self._kept["balanced"]  # type: ignore[no-any-return]
-        d, load = self.row_units, self.unknown_units.load
-        delassus, factor = in_units_of(self._data[0], self._data[3], d)
-        alike = ContactProblem(delassus, self.free / load * d, self.friction, self.keys, factor)
-        alike._kept["units"] = np.ones(len(self.friction))
-        if self._kept.get("coupling") is not None:
-            known = self._kept["coupling"]
+        """See :meth:`.PosedContacts.balanced`."""
+        known = None if "balanced" in self._kept else self._kept.get("coupling")
+        alike = super().balanced()
+        if known is not None:
             alike._kept["coupling"] = replace(known, free=known.free / alike.unknown_units.load)
-        self._kept["balanced"] = alike
         return alike
 
     @property

@@ -17,12 +17,12 @@ import numpy.typing as npt
 from lcpflex.basics import libs
 from lcpflex.basics.arguments import flag, point_of
 from lcpflex.errors import ModelError
-from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess, check_solver
-from lcpflex.solvers.balance import NOTHING, Units, contact_units
+from lcpflex.solvers.balance import Units
 from lcpflex.solvers.certificate import guarded_residual, strict_residual
 from lcpflex.solvers.contact.cones.certificate import cone_parts, cone_sizes, weigh_cones
-from lcpflex.solvers.contact.matrices import PosedContacts, in_units_of, is_sparse
+from lcpflex.solvers.contact.matrices import PosedContacts, is_sparse
 from lcpflex.solvers.problem import Lcp, LcpSolver, Solution
 from lcpflex.solvers.refusals import NO_LCP, check_answer
 
@@ -91,36 +91,22 @@ class SpatialContactProblem(PosedContacts):
         return self._kept["keys"]  # type: ignore[no-any-return]
 
     @property
-    def units(self) -> FloatArray:
-        """(k,) d_k = 1 / sqrt(max diag G_kk) of each contact: see :mod:`lcpflex.solvers.balance`."""
-        if "units" not in self._kept:
-            own = np.maximum(self.diagonal.reshape(-1, 3).max(axis=1), 0.0) if self.size else np.zeros(0)
-            contact_units(own, len(own), NOTHING)
-            self._kept["units"] = own
-        return self._kept["units"]  # type: ignore[no-any-return]
+    def row_contacts(self) -> IntArray:
+        """(3 k,) the contact of each row."""
+        return np.repeat(np.arange(len(self.friction)), 3)
+
+    def rows_of(self, contacts: IntArray) -> IntArray:
+        """See :meth:`.PosedContacts.rows_of`."""
+        return np.asarray((3 * contacts[:, None] + np.arange(3)).ravel())
 
     @property
     def unknown_units(self) -> Units:
         """The units of the forces, three for each contact; the load is that of the free velocities in them."""
         if "unknown units" not in self._kept:
-            d = np.repeat(self.units, 3)
+            d = self.row_units
             with np.errstate(all="ignore"):
                 self._kept["unknown units"] = Units.of(d, self.free * d)
         return self._kept["unknown units"]  # type: ignore[no-any-return]
-
-    def balanced(self) -> SpatialContactProblem:
-        """The same contacts, each measured by its own diagonal: what comes out does not depend on units.
-
-        With D the diagonal matrix of :attr:`units`: D G D and D free over a power of two; friction as it is.
-        """
-        if "balanced" not in self._kept:
-            units = self.unknown_units
-            d, load = units
-            delassus, factor = in_units_of(self._data[0], self._data[3], d)
-            alike = SpatialContactProblem(delassus, self.free / load * d, self.friction, self.keys, factor)
-            alike._kept["units"] = np.ones(len(self.friction))
-            self._kept["balanced"] = alike
-        return self._kept["balanced"]  # type: ignore[no-any-return]
 
     def matrix(self) -> Any:
         """The Delassus operator, multiplied out if only its factor is known; None if that has too many entries."""

@@ -13,11 +13,11 @@ import numpy as np
 from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.clock import out_of_time
-from lcpflex.solvers.contact import parts as planar_parts
 from lcpflex.solvers.contact.active_set import REGULAR, TINY, on_active_set, states_of
 from lcpflex.solvers.contact.block_gauss_seidel import BlockGaussSeidel
 from lcpflex.solvers.contact.lcp_forms import from_copositive
 from lcpflex.solvers.contact.looks import SWEPT, Pace, by_looks
+from lcpflex.solvers.contact.parts import solved_by_parts
 from lcpflex.solvers.contact.starts import forces_at, start_of, started
 from lcpflex.solvers.contact.system import ContactSystem, storage_of
 from lcpflex.solvers.lcp.lemke import Lemke
@@ -143,14 +143,9 @@ def by_parts(case: Case) -> Solution | None:
     """Each of its parts by itself; None if there is but one."""
     problem, tolerance, best = case.problem, case.tolerance, case.best
     assert best is not None
-    if case.kind == SPACE:
-        from lcpflex.solvers.contact.cones.parts import solved_by_parts
-
-        return solved_by_parts(
-            problem, best.z, tolerance, lambda part, z: case.part(part, accept(part, z, tolerance=tolerance))
-        )
-    guess = case.guess if problem.size <= SMALL else replace(best, keys=problem.unknown_keys)
-    return planar_parts.solved_by_parts(problem, guess, tolerance, case.part)
+    if case.kind == SPACE or problem.size > SMALL:
+        return solved_by_parts(problem, replace(best, keys=problem.unknown_keys), tolerance, case.part)
+    return solved_by_parts(problem, case.guess, tolerance, case.part)
 
 
 def to_last_digits(case: Case) -> Solution:

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.solvers.contact.cones.parts import part_of
 from lcpflex.solvers.contact.cones.several import contact_solutions
 from lcpflex.solvers.contact.matrices import as_dense
+from lcpflex.solvers.contact.parts import part_of
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.problem import Solution, Status, accept
 
