@@ -9,6 +9,7 @@ its words.
 from __future__ import annotations
 
 from dataclasses import astuple, dataclass, fields
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -27,7 +28,7 @@ from lcpflex.solvers.contact.tracing import trace
 __all__ = [
     "AFRESH", "ALART_CURNIER", "ALWAYS", "DEAR", "LAST_DIGITS", "MANY_CONTACTS", "NEWTON", "NONE", "POSED_CONTACTS",
     "ROOM", "SETTLED", "SPATIAL_CONTACTS", "SWEEPS", "USER_CONTACTS", "Attempt", "Attempts", "Search", "attempts_for",
-    "conclude", "find", "route_names", "search_for", "serve_lagging",
+    "conclude", "find", "route_names", "search_for", "search_parts", "serve_lagging",
 ]  # fmt: skip
 
 ROOM = 100  # status: the memory of a factor is to grow first
@@ -94,6 +95,8 @@ class Attempt:
     rows: int = 0
     when: int = CHEAP
 
+
+Table: TypeAlias = tuple[Attempt, ...]
 
 MANY_CONTACTS = (
     Attempt(SWEEPS, 40, patient=False, when=ALWAYS),
@@ -184,25 +187,28 @@ class Search:
     tried: IntArray = array("attempts")  # 1: attempts made
 
 
-def attempts_for(rows: int, table: tuple[Attempt, ...] = MANY_CONTACTS) -> Attempts:
+def attempts_for(rows: int, table: Table = MANY_CONTACTS) -> Attempts:
     """The rows of a table that are for problems of S = ``rows``."""
     chosen = [attempt for attempt in table if attempt.rows in (0, rows)]
-    columns = zip(*map(astuple, chosen), strict=True)
-    names = (field.name for field in fields(Attempt))
-    told = {name: np.array(column) for name, column in zip(names, columns, strict=True)}
     attempts = allocate(Attempts, {"attempts": len(chosen)})
     attempts.n = len(chosen)
-    for name, column in told.items():
-        getattr(attempts, name)[:] = column
+    for field, column in zip(fields(Attempt), zip(*map(astuple, chosen), strict=True), strict=True):
+        getattr(attempts, field.name)[:] = column
     return attempts
 
 
 def search_for(attempts: Attempts, operations: float = np.inf) -> Search:
     """The limits of a search by a table; operations: multiplications that all its factors may take."""
     sweeping = allocate(Sweeping, {}, look=LOOK, crawling=CRAWLING, exact=1)
-    search: Search = allocate(Search, {"attempts": int(attempts.n)}, sweeping=sweeping)
-    search.factor_limit, search.sweep_limit, search.operation_limit = FACTORS, SWEEPS_LIMIT, operations
-    return search
+    limits = {"factor_limit": FACTORS, "sweep_limit": SWEEPS_LIMIT, "operation_limit": operations}
+    return allocate(Search, {"attempts": int(attempts.n)}, sweeping=sweeping, **limits)
+
+
+def search_parts(sizes: dict[str, int], table: Table = MANY_CONTACTS, operations: float = np.inf) -> dict[str, Any]:
+    """What a search needs beside group and operator, by the names of the fields that memories have for it."""
+    parts = {"judged": allocate(Judged, {}), "best": allocate(Best, sizes), "newton": allocate(NewtonWork, sizes)}
+    attempts = attempts_for(sizes["rows"], table)
+    return {**parts, "attempts": attempts, "search": search_for(attempts, operations)}
 
 
 def route_names(search: Search, attempts: Attempts) -> str:

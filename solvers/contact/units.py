@@ -14,13 +14,12 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import allocate
 from lcpflex.solvers.arrays import finite_array
 from lcpflex.solvers.contact.algebra import IN_SPACE, PLANAR
-from lcpflex.solvers.contact.best import Best, copy_forces
+from lcpflex.solvers.contact.best import copy_forces
 from lcpflex.solvers.contact.group import Group
-from lcpflex.solvers.contact.judging import Judged, is_good, measure_loads, weigh
+from lcpflex.solvers.contact.judging import is_good, measure_loads, weigh
 from lcpflex.solvers.contact.laws import LAWS, number_of
 from lcpflex.solvers.contact.operators.dense import Dense
-from lcpflex.solvers.contact.proximal_newton import NewtonWork
-from lcpflex.solvers.contact.strategy import attempts_for, find, route_names, search_for
+from lcpflex.solvers.contact.strategy import find, route_names, search_parts
 
 __all__ = ["UnitForces", "solve_units"]
 
@@ -123,13 +122,12 @@ def _posed(W: FloatArray, free: FloatArray, S: int) -> tuple[Group, Dense, Float
 
 def _found(group: Group, op: Dense, scale: FloatArray, S: int, tolerance: float) -> UnitForces:
     """By the table of attempts."""
-    like, attempts = (PLANAR if S == 2 else IN_SPACE), attempts_for(S)
-    sizes = {"units": len(scale), "rows": S, "block": S * S, "unknowns": op.m}
-    judged, best, work = allocate(Judged, {}), allocate(Best, sizes), allocate(NewtonWork, sizes)
-    search = search_for(attempts)
+    like = PLANAR if S == 2 else IN_SPACE
+    parts = search_parts({"units": len(scale), "rows": S, "block": S * S, "unknowns": op.m})
+    judged, best, search, attempts = (parts[name] for name in ("judged", "best", "search", "attempts"))
     judged.tolerance = tolerance
     measure_loads(group, judged)
-    find(op, group, judged, best, work, search, attempts, like)
+    find(op, group, judged, best, parts["newton"], search, attempts, like)
     copy_forces(group, best.p, group.p, like)
     weigh(op, group, judged, group.p, like)
     return UnitForces(

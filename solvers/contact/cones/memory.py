@@ -19,7 +19,7 @@ from lcpflex.solvers.contact.operators.dense import Dense
 from lcpflex.solvers.contact.operators.scene import SceneRows, scene_rows
 from lcpflex.solvers.contact.proximal_newton import NewtonWork
 from lcpflex.solvers.contact.recollection import enlarged
-from lcpflex.solvers.contact.strategy import POSED_CONTACTS, Attempts, Search, attempts_for, search_for
+from lcpflex.solvers.contact.strategy import POSED_CONTACTS, Attempts, Search, search_parts
 from lcpflex.solvers.contact.sweeping import Sweeping
 
 __all__ = [
@@ -128,7 +128,7 @@ def cone_memory(
     scene = scene_rows(capacity) if scene is None else scene
     rows, ndof = len(posed.free), len(scene.x)
     pair = max(rows, 3 * min(capacity, OF_A_PAIR))
-    searched, attempts = {"units": rows // 3, "rows": 3, "block": 9, "unknowns": rows}, attempts_for(3, POSED_CONTACTS)
+    searched = {"units": rows // 3, "rows": 3, "block": 9, "unknowns": rows}
     memory = allocate(
         SpatialSolverMemory,
         {"contacts": capacity, "rows": rows},
@@ -142,12 +142,8 @@ def cone_memory(
             free=posed.free,
             row=np.arange(rows, dtype=np.int64).reshape(-1, 3),
         ),
-        judged=allocate(Judged, {}),
         sweeping=allocate(Sweeping, {}, look=LOOK, crawling=CRAWLING, polish=POLISH),
-        best=allocate(Best, searched),
-        newton=allocate(NewtonWork, searched),
-        search=search_for(attempts),
-        attempts=attempts,
+        **search_parts(searched, POSED_CONTACTS),
         shares=shares(capacity, pair, ndof),
         held=mixed_problem(pair // 3),
     )

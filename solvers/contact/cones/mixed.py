@@ -29,9 +29,8 @@ from lcpflex.solvers.contact.strategy import (
     Attempt,
     Attempts,
     Search,
-    attempts_for,
     find,
-    search_for,
+    search_parts,
 )
 from lcpflex.solvers.contact.sweeping import sweep
 
@@ -75,10 +74,8 @@ class MixedMemory:
 def mixed_memory(contacts: int) -> MixedMemory:
     """Room for problems of so many contacts."""
     sizes = {"units": contacts, "rows": 3, "block": 9, "matrix": 3 * contacts, "unknowns": 3 * contacts}
-    attempts = attempts_for(3, MIXED)
-    parts = {"group": allocate(Group, sizes), "op": allocate(Dense, sizes), "best": allocate(Best, sizes)}
-    parts |= {"judged": allocate(Judged, {}), "newton": allocate(NewtonWork, sizes)}
-    return allocate(MixedMemory, {}, search=search_for(attempts), attempts=attempts, **parts)
+    group, op = allocate(Group, sizes), allocate(Dense, sizes)
+    return allocate(MixedMemory, {}, group=group, op=op, **search_parts(sizes, MIXED))
 
 
 @kernel

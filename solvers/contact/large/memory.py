@@ -13,7 +13,7 @@ from lcpflex.solvers.contact.judging import Judged
 from lcpflex.solvers.contact.operators.bodies import Bodies
 from lcpflex.solvers.contact.operators.sparse_factor import SparseFactor, sparse_factor
 from lcpflex.solvers.contact.proximal_newton import NewtonWork
-from lcpflex.solvers.contact.strategy import Attempts, Search, attempts_for, search_for
+from lcpflex.solvers.contact.strategy import Attempts, Search, search_parts
 
 __all__ = ["BodyContacts", "LargeMemory", "grown", "large_memory"]
 
@@ -78,18 +78,13 @@ def large_memory(scene_bodies: int, units: int, bodies: int, width: int, rows: i
 def _allocated(sizes: dict[str, int], rows: int, before: LargeMemory | None) -> LargeMemory:
     sizes = {**sizes, "rows": rows, "block": rows * rows, "offsets": sizes["bodies"] + 1}
     factors = (None, None) if before is None else (before.op.factor, before.apart)
-    attempts = attempts_for(rows)
     memory = allocate(
         LargeMemory,
         sizes,
-        judged=allocate(Judged, {}),
-        search=search_for(attempts, OPERATIONS[rows]),
         group=allocate(Group, sizes),
         op=allocate(Bodies, sizes, factor=sparse_factor(sizes, factors[0])),
-        best=allocate(Best, sizes),
-        newton=allocate(NewtonWork, sizes),
-        attempts=attempts,
         apart=sparse_factor(sizes, factors[1], begun=False),
+        **search_parts(sizes, operations=OPERATIONS[rows]),
     )
     memory.judged.tolerance = TOLERANCE[rows]
     if before is not None:
