@@ -188,7 +188,7 @@ class PosedContacts:
         raise NotImplementedError
 
     def rows_of(self, contacts: IntArray) -> IntArray:
-        """The rows of some contacts, whose numbers rise."""
+        """The rows of contacts (k,), whose numbers rise."""
         raise NotImplementedError
 
     @property

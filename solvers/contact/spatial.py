@@ -96,7 +96,7 @@ class SpatialContactProblem(PosedContacts):
         return np.repeat(np.arange(len(self.friction)), 3)
 
     def rows_of(self, contacts: IntArray) -> IntArray:
-        """See :meth:`.PosedContacts.rows_of`."""
+        """The rows of contacts (k,), whose numbers rise."""
         return np.asarray((3 * contacts[:, None] + np.arange(3)).ravel())
 
     @property
