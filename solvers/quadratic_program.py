@@ -33,10 +33,10 @@ from lcpflex.solvers.certificate import is_symmetric
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.lcp.polishing import equilibrium, polish, shortest
-from lcpflex.solvers.lcp.proofs import NEAR, Proof, infeasibility, nearly_infeasible
+from lcpflex.solvers.lcp.proofs import NEAR, NEARLY, Proof, infeasibility
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.mixed.problems import BoxedLcp, MixedLcp
-from lcpflex.solvers.problem import NEARLY, Lcp, PosedProblem, Solution, Status, accept
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
 from lcpflex.solvers.program_backends import Answer, Program
 from lcpflex.solvers.refusals import no_cones
 
@@ -223,7 +223,7 @@ class _Scaled:
         """Whether the direction (n,), scaled, is worth a look in fractions."""
         u = self.scale * ray
         if isinstance(self.problem, Lcp):
-            return nearly_infeasible(*self.problem._data, u)
+            return self.problem.nearly_infeasible(u)
         length = float(np.abs(ray).max())
         pushes = float(np.abs(self.program.M @ ray).max())
         return bool(0.0 < length < np.inf and pushes <= NEAR * length and self.problem.q @ u < 0.0)

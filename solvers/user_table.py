@@ -24,9 +24,9 @@ from lcpflex.solvers.lcp.lemke import Lemke
 from lcpflex.solvers.lcp.newton import MinMapNewton
 from lcpflex.solvers.lcp.perturbed import PERTURBED, perturbed_newton
 from lcpflex.solvers.lcp.principal_pivoting import PrincipalPivoting
-from lcpflex.solvers.lcp.proofs import FULL, exact_solution
+from lcpflex.solvers.lcp.proofs import FULL, NEARLY, exact_solution
 from lcpflex.solvers.lcp.repairing import REPAIRED, repaired
-from lcpflex.solvers.problem import NEARLY, Lcp, Solution, Status, accept, confirmed
+from lcpflex.solvers.problem import Lcp, Solution, Status, accept, confirmed
 from lcpflex.solvers.solution import LcpSolver
 
 __all__ = [

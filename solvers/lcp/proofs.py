@@ -21,12 +21,17 @@ from lcpflex.solvers.lcp.exact import Dictionary, Exhausted
 from lcpflex.solvers.lcp.exact_systems import ExactSystem, Row
 
 __all__ = [
+    "NEARLY",
     "Proof",
     "exact_solution",
     "infeasibility",
     "nearly_infeasible",
     "proves",
 ]
+
+NEARLY = (
+    "nearly infeasible: a vector u fulfils M^T u <= 0 and q.u < 0 to rounding, but none is known that does so exactly"
+)
 
 WORK = 2e6  # of one question put to the dictionary: one or two seconds
 LARGEST = 200_000  # entries of the rows that a proof may be made of
