@@ -1,4 +1,7 @@
-"""What a result holds of each contact, found once: a scan of all points and events for each name is their square."""
+"""What a result holds of each contact, by its name.
+
+It is found once: a scan of all points and events for each name is their square.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +11,17 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from lcpflex.basics.arguments import absent
+from lcpflex.compile.touched_pairs import pair_of
+from lcpflex.errors import ModelError
+from lcpflex.results.contact_history import ContactHistory, Event, untouched
+from lcpflex.results.stored_instants import impulse_noise, located, tells_of_steps
+
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import IntArray
-    from lcpflex.results.contact_history import Event
     from lcpflex.results.result import Result
 
-__all__ = ["ContactsByName", "contacts_by_name"]
+__all__ = ["ContactsByName", "history_of", "contacts_by_name"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,6 +47,25 @@ def contacts_by_name(result: Result) -> ContactsByName:
     if found is None:
         found = _found[result] = _made(result)
     return found
+
+
+def history_of(result: Result, name: str) -> ContactHistory:
+    """See :meth:`lcpflex.results.result.Result.contact`."""
+    found = contacts_by_name(result)
+    k = found.number.get(name) if isinstance(name, str) else None
+    if k is None:
+        if isinstance(name, str) and result.compiled and pair_of(result.compiled, name):
+            return untouched(name, result.times, result.force.shape[2])
+        raise ModelError(f"name: no contact {absent(name, result.contact_names)}")
+    events = found.events.get(name, ())
+    first, points = min((event.time for event in events), default=float("inf")), found.points(k)
+    pressed = points[result.contact_points.force[points, 0] > 0.0]
+    pairs = np.bincount(result.contact_points.record[pressed], minlength=len(result.times))
+    force, impulse, state, gap = result.force[:, k], result.impulse[:, k], result.state[:, k], result.gap[:, k]
+    crept = result.crept[k] if result.crept else 0.0
+    noise = impulse_noise(result) * float(np.abs(impulse).max(initial=0.0))
+    how = located(result, name), tells_of_steps(result), noise
+    return ContactHistory(name, result.times, force, impulse, state, gap, pairs, first, crept, events, *how)
 
 
 def _made(result: Result) -> ContactsByName:

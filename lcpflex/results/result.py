@@ -7,28 +7,23 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-
-from lcpflex.basics.arguments import absent
 from lcpflex.basics.attributes import NamesNearest
 from lcpflex.basics.lazy import attach
 from lcpflex.basics.renamed import GONE, renamed_property
 from lcpflex.compile.coordinates import coordinate_names, velocity_names
-from lcpflex.compile.touched_pairs import pair_of
 from lcpflex.errors import ModelError
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import OPEN, SLIP, STICK
 from lcpflex.results import later
-from lcpflex.results.contact_history import ContactHistory, ContactPoints, Event, StateArray, untouched
+from lcpflex.results.contact_history import ContactHistory, ContactPoints, Event, StateArray
 from lcpflex.results.contact_windows import INSTANTS, ContactWindow
-from lcpflex.results.contacts_by_name import contacts_by_name
+from lcpflex.results.contacts_by_name import history_of
 from lcpflex.results.energy_balance import Energies
 from lcpflex.results.instant import Instant
 from lcpflex.results.material import body_index, material_of
 from lcpflex.results.places import trajectory, velocity
 from lcpflex.results.sensor import SensorHistory, named_sensor
-from lcpflex.results.stored_instants import impulse_noise, located, tells_of_steps
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -157,21 +152,7 @@ class Result(NamesNearest):
 
         A pair that a rule is for and that never touched has a name as well, and histories of no force.
         """
-        found = contacts_by_name(self)
-        k = found.number.get(name) if isinstance(name, str) else None
-        if k is None:
-            if isinstance(name, str) and self.compiled and pair_of(self.compiled, name):
-                return untouched(name, self.times, self.force.shape[2])
-            raise ModelError(f"name: no contact {absent(name, self.contact_names)}")
-        events = found.events.get(name, ())
-        first, points = min((event.time for event in events), default=float("inf")), found.points(k)
-        pressed = points[self.contact_points.force[points, 0] > 0.0]
-        pairs = np.bincount(self.contact_points.record[pressed], minlength=len(self.times))
-        force, impulse, state, gap = self.force[:, k], self.impulse[:, k], self.state[:, k], self.gap[:, k]
-        crept = self.crept[k] if self.crept else 0.0
-        noise = impulse_noise(self) * float(np.abs(impulse).max(initial=0.0))
-        how = located(self, name), tells_of_steps(self), noise
-        return ContactHistory(name, self.times, force, impulse, state, gap, pairs, first, crept, events, *how)
+        return history_of(self, name)
 
     def reaction(self, joint: str, axes: str = "world") -> JointReaction:
         """Force and moment of a joint or drive over the stored instants: see :class:`JointReaction`.
