@@ -283,7 +283,8 @@ def _by_factor_alone(case: Case) -> bool:
 
 
 def _may_part(case: Case) -> bool:
-    return case.whole
+    """Parts of the plane are known with the blocks; in space they are looked for, which is for those in time."""
+    return case.whole and (case.kind == PLANE or not out_of_time())
 
 
 def _rubs(case: Case) -> bool:

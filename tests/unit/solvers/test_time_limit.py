@@ -17,6 +17,7 @@ from lcpflex.solvers import (
     Lemke,
     MinMapNewton,
     PrincipalPivoting,
+    SpatialContactProblem,
     Status,
     TimeLimit,
     UserSolver,
@@ -24,6 +25,7 @@ from lcpflex.solvers import (
     cross_check,
 )
 from lcpflex.solvers.clock import grown, within
+from lcpflex.solvers.contact import user_rows
 from lcpflex.solvers.lcp import gauss_seidel
 from lcpflex.solvers.lcp.gauss_seidel import projected_gauss_seidel
 
@@ -87,6 +89,14 @@ class TestTimeLimit:
             assert grown(solve, 10**6, 10**6, lambda found: True) == (640, True)
         assert asked == [10, 40, 160, 640]  # 2560 would take 0.5 s
         assert grown(solve, 10**6, 10**6, lambda found: found == 10**6) == (10**6, False)
+
+    def test_parts_in_space_are_not_looked_for_when_it_is_up(self, monkeypatch):
+        looked = []
+        monkeypatch.setattr(user_rows, "solved_by_parts", lambda problem, *rest: looked.append(problem))
+        J = np.random.default_rng(3).standard_normal((60, 12))
+        problem = SpatialContactProblem(J @ J.T, J @ np.ones(12), np.full(20, 3.0))
+        assert TimeLimit(Auto(), 1e-9).solve(problem).status is Status.TIME_LIMIT
+        assert not looked
 
     def test_the_chain_of_auto_ends(self):
         problem = Lcp([[-1.0, 0.5], [0.3, -2.0]], [-1.0, -1.0])
