@@ -30,14 +30,8 @@ from lcpflex.steppers.event_driven.segment import search, step, watch
 from lcpflex.steppers.event_driven.sets import choose, fall_back, gather, note_changes
 from lcpflex.steppers.event_driven.slope import slope
 from lcpflex.steppers.rates import Rates, ask_all, ask_at, next_instant, stored_at
-from lcpflex.steppers.recorder import (
-    Recorder,
-    is_penetration,
-    note_compliant,
-    note_contact,
-    store_contacts,
-    store_state,
-)
+from lcpflex.steppers.recorded_contacts import note_compliant, note_contact
+from lcpflex.steppers.recorder import Recorder, is_penetration, store_contacts, store_state
 from lcpflex.steppers.runge_kutta import copy_state, interpolate
 from lcpflex.steppers.status import RunStatus
 

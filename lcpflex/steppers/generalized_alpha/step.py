@@ -40,7 +40,8 @@ from lcpflex.steppers.generalized_alpha.velocity import pose_velocity, resting_l
 from lcpflex.steppers.island_problems import solve_islands
 from lcpflex.steppers.moreau_jean.step import record_impulses
 from lcpflex.steppers.passing import set_out_freely
-from lcpflex.steppers.recorder import Recorder, add_impulse, note_gain
+from lcpflex.steppers.recorded_contacts import add_impulse
+from lcpflex.steppers.recorder import Recorder, note_gain
 from lcpflex.steppers.scheme import record, set_length, take_step
 from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.strike_order import add_strikes, apply_strike, end_order

@@ -48,14 +48,8 @@ from lcpflex.steppers.massless_boundary.static_loads import book_loads, load_sta
 from lcpflex.steppers.massless_boundary.stored import turn_back
 from lcpflex.steppers.passing import set_out
 from lcpflex.steppers.projection import project_joints
-from lcpflex.steppers.recorder import (
-    Recorder,
-    friction_state,
-    note_certificate,
-    note_contact,
-    store_contacts,
-    store_state,
-)
+from lcpflex.steppers.recorded_contacts import friction_state, note_contact
+from lcpflex.steppers.recorder import Recorder, note_certificate, store_contacts, store_state
 from lcpflex.steppers.scheme import record, take_step
 from lcpflex.steppers.status import RunStatus
 

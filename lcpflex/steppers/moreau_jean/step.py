@@ -43,18 +43,14 @@ from lcpflex.steppers.moreau_jean.memory import MoreauJeanScheme
 from lcpflex.steppers.moreau_jean.strikes import follow_order, held_within, keep_closed, struck
 from lcpflex.steppers.passing import set_out
 from lcpflex.steppers.projection import project_contacts, project_joints
-from lcpflex.steppers.recorder import (
-    Recorder,
+from lcpflex.steppers.recorded_contacts import (
     add_compliant_impulse,
     add_impulse,
-    all_indent,
     friction_state,
     note_compliant,
     note_contact,
-    note_gain,
-    store_contacts,
-    store_state,
 )
+from lcpflex.steppers.recorder import Recorder, all_indent, note_gain, store_contacts, store_state
 from lcpflex.steppers.scheme import NO_FACTOR, end_step, record, take_step
 from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.strike_order import add_strikes, apply_strike, end_order

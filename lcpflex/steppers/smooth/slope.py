@@ -38,7 +38,8 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.configuration import rate
 from lcpflex.model.arrays import Model
-from lcpflex.steppers.recorder import Recorder, note_compliant, store_contacts, store_state
+from lcpflex.steppers.recorded_contacts import note_compliant
+from lcpflex.steppers.recorder import Recorder, store_contacts, store_state
 from lcpflex.steppers.short_steps import travel_time
 from lcpflex.steppers.smooth.memory import (
     CONTACT_DAMPING,

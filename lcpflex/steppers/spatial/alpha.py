@@ -31,7 +31,8 @@ from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.generalized_alpha.memory import POSITION, SMOOTH, hold, match, note_overrun
 from lcpflex.steppers.generalized_alpha.smooth import add_row
 from lcpflex.steppers.island_problems import solve_island, solve_islands
-from lcpflex.steppers.recorder import INSIDE, Recorder
+from lcpflex.steppers.recorded_contacts import INSIDE
+from lcpflex.steppers.recorder import Recorder
 from lcpflex.steppers.spatial.island_problems import keep_island
 from lcpflex.steppers.spatial.records import friction_vector
 from lcpflex.steppers.spatial.sets import solve_on_sets

@@ -18,7 +18,8 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector
 from lcpflex.model.arrays import SLIP, STICK
 from lcpflex.model.spatial import SpatialModel
-from lcpflex.steppers.recorder import Recorder, friction_state
+from lcpflex.steppers.recorded_contacts import friction_state
+from lcpflex.steppers.recorder import Recorder
 
 __all__ = [
     "add_compliant_impulse",

@@ -7,7 +7,7 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.model.arrays import SLIP, STICK
 from lcpflex.results.result import Result
-from lcpflex.steppers.recorder import friction_state
+from lcpflex.steppers.recorded_contacts import friction_state
 from tests.solids import box_with_surface
 
 STEPPERS = (lf.MoreauJean(step=1e-3), lf.MoreauJean(step=1e-3, theta=1.0), lf.GeneralizedAlpha(step=1e-3))
