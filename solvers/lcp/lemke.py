@@ -22,6 +22,7 @@ from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.attention import is_called, listening
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.clock import grown
+from lcpflex.solvers.lcp.equilibration import equilibrate
 from lcpflex.solvers.lcp.lexicographic import lexicographic_path
 from lcpflex.solvers.lcp.pivoting import block_pivots
 from lcpflex.solvers.lcp.tableau import (
@@ -68,43 +69,6 @@ def lemke_workspace(capacity: int) -> tuple[FloatArray, IntArray]:
     signal has come (:mod:`lcpflex.solvers.attention`).
     """
     return np.empty((capacity + EXTRA, capacity + 1)), np.zeros(4 * capacity + 3, dtype=np.int64)
-
-
-@kernel
-def _scale(M: FloatArray, n: int, sweeps: int, table: FloatArray) -> None:
-    """s, in its row of the table, such that the rows and columns of s_i M_ij s_j have maxima near 1 (Ruiz 2001)."""
-    scale, rows, columns = table[n + SCALE], table[n + DIRECTION], table[n + CANDIDATE]
-    for j in range(n):
-        scale[j] = 1.0
-    for _ in range(max(sweeps, 1)):
-        for j in range(n):
-            columns[j] = 0.0
-        largest = 0.0
-        for i in range(n):
-            row, own = M[i], scale[i]
-            for j in range(n):
-                columns[j] = max(columns[j], abs(row[j]) * own)
-            rows[i] = _peak(row, scale, n)
-            largest = max(largest, rows[i])
-        for i in range(n):
-            peak = largest if sweeps == 0 else scale[i] * max(columns[i], rows[i])
-            if peak > 0.0:
-                scale[i] /= np.sqrt(peak)
-
-
-@kernel
-def _peak(row: FloatArray, scale: FloatArray, n: int) -> float:
-    """max |row_j| scale_j; four side by side, or each would wait for the one before."""
-    a, b, c, d = 0.0, 0.0, 0.0, 0.0
-    whole = n - n % 4
-    for j in range(0, whole, 4):
-        a = max(a, abs(row[j]) * scale[j])
-        b = max(b, abs(row[j + 1]) * scale[j + 1])
-        c = max(c, abs(row[j + 2]) * scale[j + 2])
-        d = max(d, abs(row[j + 3]) * scale[j + 3])
-    for j in range(whole, n):
-        a = max(a, abs(row[j]) * scale[j])
-    return max(max(a, b), max(c, d))
 
 
 @kernel
@@ -254,7 +218,7 @@ def attempt(
         sweeps = 0 if number == 2 else 10 if number == 8 else 2
         if number == 0 or number >= LATE:
             sweeps = (number + 1) % 2
-        _scale(M, n, sweeps, table)
+        equilibrate(M, n, sweeps, table)
     perturbation = 1e-5 if number % 4 < 2 else 1e-4
     if number < len(PERTURBATIONS):
         perturbation = PERTURBATIONS[number]
@@ -270,7 +234,7 @@ def lexicographic_attempt(
     M: FloatArray, q: FloatArray, n: int, table: FloatArray, basis: IntArray, pivot_limit: int
 ) -> tuple[int, int, float]:
     """As :func:`attempt`, without a perturbation, ties broken lexicographically."""
-    _scale(M, n, 2, table)
+    equilibrate(M, n, 2, table)
     r, load = _start(M, q, n, table, basis, 0, 0.0)
     if r < 0:
         return NUMERICAL_FAILURE, 0, np.inf
