@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from lcpflex.basics.lazy import attach
 
 if TYPE_CHECKING:
+    from lcpflex.solvers.acceptance import accept as accept
     from lcpflex.solvers.auto import Auto as Auto, solve_lcp as solve_lcp
     from lcpflex.solvers.benchmark.comparison import (
         CrossCheck as CrossCheck,
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
     from lcpflex.solvers.lcp.newton import MinMapNewton as MinMapNewton
     from lcpflex.solvers.lcp.principal_pivoting import PrincipalPivoting as PrincipalPivoting
     from lcpflex.solvers.mixed.problems import BoxedLcp as BoxedLcp, MixedLcp as MixedLcp
-    from lcpflex.solvers.problem import Lcp as Lcp, Solution as Solution, Status as Status, accept as accept
+    from lcpflex.solvers.problem import Lcp as Lcp, Solution as Solution, Status as Status
     from lcpflex.solvers.quadratic_program import QuadraticProgram as QuadraticProgram
     from lcpflex.solvers.time_limit import TimeLimit as TimeLimit
     from lcpflex.solvers.user_solver import UserSolver as UserSolver

@@ -8,7 +8,8 @@ from typing import TypeVar
 import numpy as np
 
 from lcpflex.errors import LcpflexError
-from lcpflex.solvers.problem import Problem, Solution, Status, accept
+from lcpflex.solvers.acceptance import accept
+from lcpflex.solvers.problem import Problem, Solution, Status
 
 __all__ = ["ENDED", "FAILED", "guarded", "joined", "words_of"]
 

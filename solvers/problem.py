@@ -14,7 +14,7 @@ import numpy.typing as npt
 from lcpflex.basics.arguments import FLOAT, flag, point_of
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.solvers.acceptance import accept, brought_back, confirmed, restored, retold
+from lcpflex.solvers.acceptance import accept, restored
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.arrays import as_array, check_finite, finite_array, nothing
 from lcpflex.solvers.balance import Units, in_units, lcp_units
@@ -44,10 +44,6 @@ __all__ = [
     "Solution",
     "Status",
     "accept",
-    "brought_back",
-    "confirmed",
-    "restored",
-    "retold",
 ]
 
 

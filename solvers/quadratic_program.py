@@ -28,6 +28,7 @@ import numpy.typing as npt
 from lcpflex.basics import libs
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.acceptance import accept
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import is_symmetric
 from lcpflex.solvers.clock import out_of_time
@@ -36,7 +37,7 @@ from lcpflex.solvers.lcp.polishing import equilibrium, polish, shortest
 from lcpflex.solvers.lcp.proofs import NEAR, NEARLY, Proof, infeasibility
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.mixed.problems import BoxedLcp, MixedLcp
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status
 from lcpflex.solvers.program_backends import Answer, Program
 from lcpflex.solvers.refusals import no_cones
 

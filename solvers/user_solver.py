@@ -17,12 +17,13 @@ import numpy as np
 from lcpflex.basics.arguments import one_of
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.acceptance import accept
 from lcpflex.solvers.answers import Answer, asked
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.clock import check_time_limit, limited, remaining
 from lcpflex.solvers.limits import check_tolerance
 from lcpflex.solvers.near_miss import near_miss
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status
 from lcpflex.solvers.refusals import no_cones
 from lcpflex.solvers.user_process import Worker
 

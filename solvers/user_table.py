@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.solvers.acceptance import accept, confirmed
 from lcpflex.solvers.clock import expired, out_of_time
 from lcpflex.solvers.guard import ENDED, FAILED, guarded, joined
 from lcpflex.solvers.lcp.enumeration import LARGEST, Enumeration
@@ -26,7 +27,7 @@ from lcpflex.solvers.lcp.perturbed import PERTURBED, perturbed_newton
 from lcpflex.solvers.lcp.principal_pivoting import PrincipalPivoting
 from lcpflex.solvers.lcp.proofs import FULL, NEARLY, exact_solution
 from lcpflex.solvers.lcp.repairing import REPAIRED, repaired
-from lcpflex.solvers.problem import Lcp, Solution, Status, accept, confirmed
+from lcpflex.solvers.problem import Lcp, Solution, Status
 from lcpflex.solvers.solution import LcpSolver
 
 __all__ = [

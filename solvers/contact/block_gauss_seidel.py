@@ -19,6 +19,7 @@ import numpy as np
 
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.solvers.acceptance import accept
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.attention import Ear, listening
 from lcpflex.solvers.contact.active_set import free_forces, in_cones, on_active_set
@@ -30,7 +31,7 @@ from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.lcp.lemke import lemke_workspace
 from lcpflex.solvers.lcp.pivoting import block_pivots
 from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution
 from lcpflex.solvers.refusals import has_cones
 
 __all__ = ["SWEPT", "BlockGaussSeidel", "ByPivots"]

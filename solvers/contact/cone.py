@@ -24,6 +24,7 @@ import numpy as np
 from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.solvers.acceptance import accept
 from lcpflex.solvers.arguments import check_guess
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.contact.cones.conic import (
@@ -42,7 +43,7 @@ from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.lcp.polishing import equilibrium, polish
 from lcpflex.solvers.lcp.proofs import infeasibility
 from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status
 
 __all__ = ["ConvexFriction", "relaxed_forces"]
 

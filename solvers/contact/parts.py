@@ -12,13 +12,14 @@ import numpy as np
 from lcpflex.basics import libs
 from lcpflex.errors import shown
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.solvers.acceptance import accept
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.contact.coupling import grouped
 from lcpflex.solvers.contact.matrices import PosedContacts, of_rows
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.guard import joined
 from lcpflex.solvers.lcp.proofs import Proof, proves
-from lcpflex.solvers.problem import PROVED, Solution, Status, accept
+from lcpflex.solvers.problem import PROVED, Solution, Status
 
 if TYPE_CHECKING:
     from lcpflex.solvers.contact.spatial import SpatialContactProblem

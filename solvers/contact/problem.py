@@ -16,6 +16,7 @@ import numpy.typing as npt
 from lcpflex.basics import libs
 from lcpflex.basics.arguments import flag, point_of
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.solvers.acceptance import accept, confirmed
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.balance import Units, unknown_units
 from lcpflex.solvers.certificate import largest_measures
@@ -24,7 +25,7 @@ from lcpflex.solvers.contact.lcp_forms import assemble_copositive_lcp, assemble_
 from lcpflex.solvers.contact.matrices import PosedContacts, as_dense, check_dense
 from lcpflex.solvers.lcp.exact_residual import largest_of_each
 from lcpflex.solvers.lcp.exact_systems import ExactSystem, contact_rows
-from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status, accept, confirmed
+from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status
 
 __all__ = ["ContactProblem", "aligned"]
 

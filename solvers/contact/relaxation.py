@@ -16,12 +16,13 @@ from lcpflex.basics import libs
 from lcpflex.basics.arguments import flag, point_of
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.acceptance import brought_back, confirmed
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.certificate import guarded_residual
 from lcpflex.solvers.contact.matrices import as_dense, check_dense
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.lcp.exact_systems import ExactSystem, relaxed_rows
-from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution, brought_back, confirmed
+from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution
 
 __all__ = ["ConvexContactProblem"]
 

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.acceptance import restored
 from lcpflex.solvers.contact.problem import aligned
-from lcpflex.solvers.problem import Solution, restored
+from lcpflex.solvers.problem import Solution
 from lcpflex.solvers.refusals import has_cones
 
 __all__ = ["forces_at", "own_units", "start_of", "started"]

@@ -12,6 +12,7 @@ import numpy as np
 
 from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.solvers.acceptance import accept
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.contact.active_set import REGULAR, TINY, on_active_set, states_of
 from lcpflex.solvers.contact.block_gauss_seidel import BlockGaussSeidel
@@ -21,7 +22,7 @@ from lcpflex.solvers.contact.parts import solved_by_parts
 from lcpflex.solvers.contact.starts import forces_at, start_of, started
 from lcpflex.solvers.contact.system import ContactSystem, storage_of
 from lcpflex.solvers.lcp.lemke import Lemke
-from lcpflex.solvers.problem import Solution, Status, accept
+from lcpflex.solvers.problem import Solution, Status
 from lcpflex.solvers.user_table import COPOSITIVE, SMALL, SPACE, SWEEPS, Case
 
 # Sweeps at most; and so many of them that leave more of the residual than that fraction are the last.

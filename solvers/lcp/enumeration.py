@@ -16,6 +16,7 @@ import numpy as np
 from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.acceptance import accept
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.clock import out_of_time
@@ -23,7 +24,7 @@ from lcpflex.solvers.lcp.active_factor import backward
 from lcpflex.solvers.lcp.pivoting import eliminate, load_block
 from lcpflex.solvers.lcp.proofs import exact_solution
 from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status
 from lcpflex.solvers.refusals import no_cones
 
 __all__ = ["LARGEST", "Enumeration", "enumerate_active_sets", "enumeration_workspace"]

@@ -17,6 +17,7 @@ import numpy as np
 
 from lcpflex.basics.options import keep_number
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.acceptance import accept
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.attention import is_called, listening
 from lcpflex.solvers.certificate import natural_residual
@@ -24,7 +25,7 @@ from lcpflex.solvers.clock import grown
 from lcpflex.solvers.lcp.lemke import lemke_workspace
 from lcpflex.solvers.lcp.pivoting import block_pivots
 from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution
 from lcpflex.solvers.refusals import no_cones
 from lcpflex.solvers.status import ITERATION_LIMIT, NUMERICAL_FAILURE, SOLVED, Status
 

@@ -14,13 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.acceptance import accept
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.attention import is_called, listening
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.clock import grown
 from lcpflex.solvers.lcp.pivoting import solve_active
 from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution
 from lcpflex.solvers.refusals import no_cones
 from lcpflex.solvers.status import ITERATION_LIMIT, NUMERICAL_FAILURE, SOLVED, Status
 

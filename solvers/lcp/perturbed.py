@@ -13,10 +13,11 @@ from dataclasses import replace
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.acceptance import accept
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.lcp.newton import MinMapNewton
 from lcpflex.solvers.lcp.repairing import repaired
-from lcpflex.solvers.problem import Lcp, Solution, accept
+from lcpflex.solvers.problem import Lcp, Solution
 
 __all__ = ["PERTURBED", "TRIALS", "perturbed_newton"]
 

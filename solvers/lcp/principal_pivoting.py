@@ -21,13 +21,14 @@ import numpy as np
 
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
+from lcpflex.solvers.acceptance import accept
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.attention import is_called, listening
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.clock import grown
 from lcpflex.solvers.lcp.active_factor import backward, factorise, forward, join, leave, new_column
 from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution
 from lcpflex.solvers.refusals import no_cones
 from lcpflex.solvers.status import ITERATION_LIMIT, NUMERICAL_FAILURE, RAY, SOLVED, Status
 

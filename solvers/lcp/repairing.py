@@ -18,11 +18,12 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.solvers.acceptance import accept
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.lcp.exact_residual import own_parts
 from lcpflex.solvers.lcp.lemke import lemke_workspace
 from lcpflex.solvers.lcp.pivoting import solve_active
-from lcpflex.solvers.problem import Lcp, Solution, accept
+from lcpflex.solvers.problem import Lcp, Solution
 
 __all__ = ["REPAIRED", "repaired"]
 

@@ -21,6 +21,7 @@ import numpy.typing as npt
 from lcpflex.basics.arguments import flag, numbers, point_of
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.solvers.acceptance import accept, brought_back, confirmed, retold
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.arrays import as_array, check_finite
 from lcpflex.solvers.bilateral import OUTSIDE, eliminated, sum_of
@@ -38,7 +39,7 @@ from lcpflex.solvers.mixed.boxes import (
     reduce_box,
     sound_box,
 )
-from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution, accept, brought_back, confirmed, retold
+from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution
 
 __all__ = ["BoxedLcp", "MixedLcp"]
 
@@ -161,9 +162,7 @@ class BoxedLcp:
         return reduction.recover(point_of("x", x, reduction.lcp.size))
 
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
-        """The solution by way of :meth:`lcp`; ``active`` and ``certificate`` then are those of the LCP.
-
-        ``proof`` is of :meth:`exact_system`.
+        """The solution by way of :meth:`lcp`; ``active``, ``certificate`` are of it, ``proof`` of :meth:`exact_system`.
 
         solver: of LCPs. guess: the solution of a similar problem to start from, or None.
         """
@@ -348,10 +347,9 @@ def _solve_reduced(problem: BoxedLcp, reduction: _Reduction, solver: LcpSolver, 
         guess = replace(guess, z=reduction.point(guess.z, guess.w))
     tolerance = getattr(solver, "tolerance", 1e-10)
     found = solver.solve(reduction.lcp, guess)
-    message = found.message
+    message = "" if found.solved else found.message
     if reduction.contradiction > OUTSIDE:
         message = f"bilateral rows contradict each other: {reduction.contradiction:.1e} of q is outside their range"
-    message = message if not found.solved or reduction.contradiction > OUTSIDE else ""
     judged = brought_back(problem, found, reduction.recover, tolerance, message=message)
     if not judged.solved and found.status in PROVED:
         judged = confirmed(problem, replace(judged, status=found.status, certificate=found.certificate))

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from lcpflex.solvers import Auto, Enumeration, Lcp, Lemke, PrincipalPivoting, Solution, Status, cross_check
+from lcpflex.solvers.acceptance import accept
 from lcpflex.solvers.lcp.proofs import Proof, infeasibility
-from lcpflex.solvers.problem import PROVED, accept
+from lcpflex.solvers.problem import PROVED
 from tests.contract.rational_judge import is_feasible, is_solvable, proves_infeasible
 
 SQUEEZE = np.array([[1.0, -1.0], [-1.0, 1.0]]), np.array([-1.0, 0.5])  # no z >= 0 has w >= 0

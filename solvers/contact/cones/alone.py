@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.acceptance import accept
 from lcpflex.solvers.contact.cones.several import contact_solutions
 from lcpflex.solvers.contact.matrices import as_dense
 from lcpflex.solvers.contact.parts import part_of
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
-from lcpflex.solvers.problem import Solution, Status, accept
+from lcpflex.solvers.problem import Solution, Status
 
 __all__ = ["is_unique", "told_apart"]
 

@@ -20,6 +20,7 @@ from lcpflex.basics import libs
 from lcpflex.basics.blas import one_thread
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.acceptance import accept, restored
 from lcpflex.solvers.arguments import check_guess
 from lcpflex.solvers.clock import limited, out_of_time, remaining
 from lcpflex.solvers.contact.cones.certificate import nearest_in_cone
@@ -28,7 +29,7 @@ from lcpflex.solvers.contact.spatial import OtherLaw, SpatialContactProblem
 from lcpflex.solvers.contact.starts import started
 from lcpflex.solvers.guard import guarded, words_of
 from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, restored
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status
 from lcpflex.solvers.refusals import only_cones
 
 __all__ = [

@@ -18,13 +18,14 @@ import numpy as np
 from lcpflex.basics.arguments import whole_number
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.acceptance import brought_back, restored
 from lcpflex.solvers.arguments import check_guess
 from lcpflex.solvers.contact.matrices import check_dense
 from lcpflex.solvers.contact.spatial import OtherLaw, SpatialContactProblem
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.lcp.lemke import Lemke
 from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, brought_back, restored
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution
 from lcpflex.solvers.refusals import only_cones
 
 __all__ = ["FacetedCone", "FacetedContactProblem"]

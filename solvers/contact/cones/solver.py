@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.acceptance import accept
 from lcpflex.solvers.arguments import check_guess
 from lcpflex.solvers.clock import expired, grown, out_of_time
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
@@ -19,7 +20,7 @@ from lcpflex.solvers.contact.system import MOST_DENSE, ContactSystem, storage_of
 from lcpflex.solvers.contact.user_search import UserSearch, user_attempts
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.problem import Solution, Status, accept
+from lcpflex.solvers.problem import Solution, Status
 from lcpflex.solvers.refusals import only_cones
 
 __all__ = ["AlartCurnier"]

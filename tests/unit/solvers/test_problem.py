@@ -8,8 +8,8 @@ import pytest
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Lcp, Status, accept
+from lcpflex.solvers.acceptance import retold
 from lcpflex.solvers.certificate import natural_residual
-from lcpflex.solvers.problem import retold
 
 TOLERANCE = 1e-10
 
