@@ -11,11 +11,11 @@ import math
 
 from lcpflex.bodies.spatial.surface import CORNERS, TWO_SIDED
 from lcpflex.contact.spatial.crossing_pass import crossings_of_meshes
+from lcpflex.contact.spatial.levers import mean_on_i
 from lcpflex.contact.spatial.mesh_pairs import band_between, deforms
 from lcpflex.contact.spatial.narrow_phase.edges import TILT
 from lcpflex.contact.spatial.narrow_phase.sides import frame_of, mean_place, world_place
 from lcpflex.contact.spatial.node_pass import nodes_on_features
-from lcpflex.contact.spatial.pairs import mean_on_i
 from lcpflex.contact.spatial.table import SpatialContactTable, copy_entry
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector

@@ -4,8 +4,7 @@ Whatever touches, each side is a mean of material points of one body and a lever
 
     v_rel = (v_i + Omega_i x l_i) - (v_j + Omega_j x l_j),   gdot_d = d.v_rel for d = n, t1, t2 = n x t1,
 
-with l = -rho n of a node (sphere) or edge of body i with radius rho, R c - rho n of a rim, and R n of a sphere, capsule
-or bore of body j; of a cylinder, the whole way from where it begins. With b_rel the rate of v_rel at udot = 0, the
+with the points and the levers l of :mod:`lcpflex.contact.spatial.levers`. With b_rel the rate of v_rel at udot = 0, the
 sliding of both feet being in it,
 
     w_d = d.b_rel + ddot.v_rel,   t1dot = -(t1.ndot) n + sigma t2,   t2dot = -(t2.ndot) n - sigma t1.
@@ -16,6 +15,7 @@ Ericson 2005 (closest features); Pfeiffer & Glocker 1996 (the plane); the equati
 
 from __future__ import annotations
 
+from lcpflex.contact.spatial.levers import lever_on_i, lever_on_j, mean_on_i, mean_on_j, radius_of_j
 from lcpflex.contact.spatial.narrow_phase.crossing import crossing_turning, refresh_crossing
 from lcpflex.contact.spatial.narrow_phase.cylinder import (
     cylinder_lever,
@@ -31,11 +31,10 @@ from lcpflex.contact.spatial.narrow_phase.facet import plane_slip, plane_turn, r
 from lcpflex.contact.spatial.narrow_phase.margins import margin_on_i, margin_on_j
 from lcpflex.contact.spatial.narrow_phase.point import point_turning, refresh_point
 from lcpflex.contact.spatial.narrow_phase.rim import place_on_rim, refresh_rim, rim_axis, rim_rate
-from lcpflex.contact.spatial.narrow_phase.rims import refresh_rims, rims_lever, rims_motion
+from lcpflex.contact.spatial.narrow_phase.rims import refresh_rims, rims_motion
 from lcpflex.contact.spatial.narrow_phase.sides import (
     AT_REST,
     Frame,
-    Mean,
     Motion,
     frame_motion,
     frame_of,
@@ -48,7 +47,6 @@ from lcpflex.contact.spatial.narrow_phase.sides import (
     mean_velocity,
     point_spin,
     rigid_bias,
-    single,
     world_place,
 )
 from lcpflex.contact.spatial.narrow_phase.turning import NO_TURN, Turning
@@ -76,8 +74,6 @@ __all__ = [
     "foot_margin",
     "gap_rate",
     "locate",
-    "mean_on_i",
-    "mean_on_j",
     "node_margin",
     "normal_rate",
     "refresh",
@@ -118,68 +114,6 @@ def locate(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: in
         refresh_edge_by_cylinder(points, q, i, j, table, k)
     else:
         refresh_cylinder(points, q, i, j, table, k)
-
-
-@kernel
-def mean_on_i(table: SpatialContactTable, k: int) -> Mean:
-    """What of body i touches in entry k: a node, the foot on its edge, or the centre of a rim."""
-    p = table.point[k, 0]
-    if not with_edge(table, k):
-        return single(p)
-    s = table.foot[k, 0]
-    return Mean(2, p, table.point[k, 1], p, (1.0 - s, s, 0.0))
-
-
-@kernel
-def mean_on_j(table: SpatialContactTable, k: int) -> Mean:
-    """What of body j is touched in entry k: a foot, a vertex, the centre of a sphere, or where a cylinder begins."""
-    kind = table.kind[k]
-    if kind == NODE_POINT:
-        return single(table.point[k, 1])
-    if by_cylinder(table, k):
-        return single(start_of(table, k))
-    if kind == RIM_RIM:
-        return single(table.point[k, 2])
-    first = 1 if kind in (NODE_FACET, NODE_EDGE) else 2
-    a = table.point[k, first]
-    b = table.point[k, first + 1]
-    if kind in (NODE_EDGE, EDGE_EDGE, EDGE_FACET):
-        s = table.foot[k, 0 if kind == NODE_EDGE else 1]
-        return Mean(2, a, b, a, (1.0 - s, s, 0.0))
-    x, y = table.foot[k, 0], table.foot[k, 1]
-    return Mean(3, a, b, table.point[k, first + 2], (1.0 - x - y, x, y))
-
-
-@kernel
-def lever_on_i(
-    points: SpatialPoints, q: FloatArray, frame: Frame, table: SpatialContactTable, k: int, n: Vector
-) -> Vector:
-    """From there to the place of contact [m], world axes."""
-    if table.kind[k] == RIM_RIM:
-        return rims_lever(points, q, frame, table, k, 0)
-    if table.kind[k] != RIM_FACET:
-        return scaled(-table.radius[k, 0], n)
-    c, _ = place_on_rim(points, q, frame, table, k, n)
-    return apart_from(scaled(table.radius[k, 2], c), scaled(table.radius[k, 0], n))
-
-
-@kernel
-def radius_of_j(table: SpatialContactTable, k: int) -> float:
-    """Radius of the feature of body j [m]; facets have none."""
-    kind = table.kind[k]
-    return 0.0 if kind in (NODE_FACET, RIM_FACET, RIM_RIM) else table.radius[k, 1]
-
-
-@kernel
-def lever_on_j(
-    model: SpatialModel, q: FloatArray, frame: Frame, table: SpatialContactTable, k: int, n: Vector
-) -> Vector:
-    """From what is touched of body j to the place of contact [m], world axes."""
-    if by_cylinder(table, k):
-        return cylinder_lever(model.points, q, (frame_of(model.bodies, q, table.body[k, 0]), frame), table, k, n)
-    if table.kind[k] == RIM_RIM:
-        return rims_lever(model.points, q, frame, table, k, 1)
-    return scaled(radius_of_j(table, k), n)
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 The force of a touching point on the body of the first surface is N n + F, on the other body -(N n + F). It acts where
 the features touch at (t, q), as the equations of motion have it: at the mean r = sum_a w_a r_a of the material points
-of a side, with the lever from there to the place of contact (:mod:`lcpflex.contact.spatial.pairs`).
+of a side, with the lever from there to the place of contact (:mod:`lcpflex.contact.spatial.levers`).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from lcpflex.bodies.spatial.surface import CODES, CYLINDER, SpatialKind
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.contact.near import surfaces_of
 from lcpflex.contact.rows import contact_rows
-from lcpflex.contact.spatial.pairs import mean_on_i, mean_on_j
+from lcpflex.contact.spatial.levers import mean_on_i, mean_on_j
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.spatial import SpatialModel
 from lcpflex.results.contact_history import ContactPoints
