@@ -20,7 +20,7 @@ from lcpflex.solvers.contact.lcp_forms import from_copositive
 from lcpflex.solvers.contact.looks import SWEPT, Pace, by_looks
 from lcpflex.solvers.contact.parts import solved_by_parts
 from lcpflex.solvers.contact.starts import forces_at, start_of, started
-from lcpflex.solvers.contact.system import ContactSystem, storage_of
+from lcpflex.solvers.contact.system import MOST_DENSE, ContactSystem, storage_of
 from lcpflex.solvers.lcp.lemke import Lemke
 from lcpflex.solvers.problem import Solution, Status
 from lcpflex.solvers.user_table import COPOSITIVE, SMALL, SPACE, SWEEPS, Case
@@ -36,7 +36,8 @@ BETWEEN = 2000  # sweeps between runs of Newton's method, at most
 CONVEX_FACTORS = 25  # what the convex program counts for
 SYMMETRY = 1e-10  # relative to the largest entry
 FEWEST, MOST = 16, 500  # sweeps for the last digits
-FACTORS = 400  # of Newton's methods for them
+FACTORS = 400  # of Newton's methods for them, of dense matrices in compiled code
+SPARSE_FACTORS = 20  # of sparse ones, which are dear: one run of Alart and Curnier's method
 
 
 def known(case: Case) -> Solution | None:
@@ -176,7 +177,8 @@ def to_last_digits(case: Case) -> Solution:
                 best = found
             return best.strict <= case.tolerance
 
-        search.run(start, FACTORS, BETWEEN, is_good)
+        dense = len(problem.friction) <= MOST_DENSE[3]
+        search.run(start, FACTORS if dense else SPARSE_FACTORS, BETWEEN, is_good)
         search.release()
     system.release()
     return replace(best, active=case.best.active)

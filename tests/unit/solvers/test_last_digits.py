@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+import scipy.sparse
 
 from lcpflex.solvers import Auto, ContactProblem, Solution, SpatialContactProblem, Status, accept, user_table
+from lcpflex.solvers.contact.user_search import UserSearch
 from lcpflex.solvers.user_table import PLANE, SPACE, Case, Row, solve_by_table
 from tests.property.random_contacts import draw
 from tests.property.solver_campaign import answered
@@ -64,3 +68,23 @@ def test_relative_to_the_load(dimension: int, seed: int, way: str) -> None:
     one = answered(draw(dimension, seed), way)
     assert one.solved
     assert one.within
+
+
+def test_many_contacts_take_few_factors(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By friction that is a thousand times the normal force, digits are lost to rounding that no factor brings back."""
+    searches: list[UserSearch] = []
+    run = UserSearch.run
+
+    def counted(self: UserSearch, *settings: Any) -> None:
+        searches.append(self)
+        run(self, *settings)
+
+    monkeypatch.setattr(UserSearch, "run", counted)
+    rng, n = np.random.default_rng(3), 100
+    J = scipy.sparse.block_diag(rng.standard_normal((n, 3, 4)), format="csr")
+    problem = SpatialContactProblem(J @ J.T, rng.standard_normal(3 * n), np.full(n, 1e3))
+    found = Auto(1e-12).solve(problem)
+    assert found.solved
+    assert found.strict > 1e-12
+    assert len(searches) == 1
+    assert searches[0].factors <= 20
