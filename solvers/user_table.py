@@ -158,12 +158,20 @@ def solve_by_table(case: Case) -> Solution:
         if found.settled or row.last:
             break
     best = case.best
-    if case.kind != LCP and best is not None and best.status is Status.SOLVED and best.strict > case.tolerance:
+    if _may_have_digits(case) and best is not None:
         found = _guarded(LAST_DIGITS, case)
         if found is not None and found.solved and found.strict < best.strict:
             case.tried.append(found)
             case.best = found
     return _said(case, _concluded(case))
+
+
+def _may_have_digits(case: Case) -> bool:
+    """Whether contacts are solved, not yet relative to the load alone, and there is time."""
+    best = case.best
+    if case.kind == LCP or best is None or best.status is not Status.SOLVED:
+        return False
+    return best.strict > case.tolerance and not out_of_time()
 
 
 def _guarded(row: Row, case: Case) -> Solution | None:

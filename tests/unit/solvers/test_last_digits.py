@@ -9,6 +9,7 @@ import pytest
 import scipy.sparse
 
 from lcpflex.solvers import Auto, ContactProblem, Solution, SpatialContactProblem, Status, accept, user_table
+from lcpflex.solvers.clock import within
 from lcpflex.solvers.contact.user_search import UserSearch
 from lcpflex.solvers.user_table import PLANE, SPACE, Case, Row, solve_by_table
 from tests.property.random_contacts import draw
@@ -49,6 +50,18 @@ def test_a_point_beside_the_solution_is_taken_to_it(rows: int) -> None:
     assert found.z == pytest.approx(right.z, abs=1e-7)
     assert found.route == "by hand > more sweeps"
     assert found.iterations > near.iterations
+
+
+@pytest.mark.parametrize("rows", [2, 3])
+def test_what_is_solved_when_time_is_up_stays(rows: int) -> None:
+    problem = leaning(rows)
+    right = Auto().solve(problem)
+    near = accept(problem, right.z * (1.0 + 1e-7), tolerance=1e-3, iterations=300, route="by hand")
+    with within(1e-9):
+        found = digits(problem, near, 1e-8)
+    assert found.solved
+    assert found.route == "by hand"
+    assert np.array_equal(found.z, near.z)
 
 
 @pytest.mark.parametrize("rows", [2, 3])
