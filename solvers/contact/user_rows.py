@@ -122,11 +122,15 @@ def searched(case: Case) -> Solution | None:
 
 
 def searched_in_space(case: Case) -> Solution:
-    """The same with Alart and Curnier's method before them."""
+    """The same with Alart and Curnier's method before them; more sweeps where only the factor can be kept."""
     from lcpflex.solvers.contact.cones.solver import AlartCurnier
 
     assert case.best is not None
-    return AlartCurnier(case.tolerance).solve(case.problem, replace(case.best, keys=case.problem.unknown_keys))
+    start, newton = replace(case.best, keys=case.problem.unknown_keys), AlartCurnier(case.tolerance)
+    if newton.refuses(case.problem):
+        found = BlockGaussSeidel(case.tolerance, BETWEEN).solve(case.problem, start)
+        return replace(found, route=found.route.replace(SWEPT, SWEEPS))
+    return newton.solve(case.problem, start)
 
 
 def copositive(case: Case) -> Solution:

@@ -7,9 +7,11 @@ import pytest
 import scipy.sparse
 
 from lcpflex.errors import ModelError, SolverError
-from lcpflex.solvers import Auto, BoxedLcp, ContactProblem, Lcp, Lemke, Status, solve_lcp
+from lcpflex.solvers import Auto, BoxedLcp, ContactProblem, Lcp, Lemke, SpatialContactProblem, Status, solve_lcp
 from lcpflex.solvers.auto import auto, auto_workspace
+from lcpflex.solvers.contact import spatial
 from lcpflex.solvers.user_table import MANY, SMALL
+from tests.property.random_contacts import draw, miss
 
 UP_TO_THE_LAST = "lemke (failed) > min-map Newton (failed) > linear program of Farkas (failed)"
 INFEASIBLE = Lcp([[0.0, 1.0], [0.0, 0.0]], [-1.0, -1.0])  # w2 = -1 whatever z is
@@ -384,3 +386,15 @@ class TestManyContacts:
         assert not solution.solved
         assert solution.residual > 1e-6
         assert solution.message
+
+    def test_a_factor_too_dense_to_be_multiplied_out(self, monkeypatch):
+        """In space Newton's method needs the product; without it more sweeps go on, and nothing is raised."""
+        monkeypatch.setattr(spatial, "MOST_ENTRIES", 0)
+        drawn = draw(3, 27)
+        factor, free = drawn.condensed
+        solution = Auto().solve(SpatialContactProblem(None, free, drawn.friction, factor=factor))
+        assert solution.solved
+        assert solution.route == "sweeps (failed) > sweeps"
+        assert miss(drawn, solution.z) < 1e-10
+        never = Auto().solve(SpatialContactProblem(None, [-1.0, 0.0, 0.0], [0.5], factor=np.zeros((3, 1))))
+        assert never.status is Status.ITERATION_LIMIT
