@@ -78,7 +78,7 @@ def accept(
 
 def _nearly_infeasible(problem: Problem, u: FloatArray) -> bool:
     """Whether u is worth a look in fractions: of an LCP alone."""
-    return hasattr(problem, "nearly_infeasible") and bool(problem.nearly_infeasible(u))
+    return hasattr(problem, "_nearly_infeasible") and bool(problem._nearly_infeasible(u))
 
 
 def _right_to_terms(problem: Problem, point: FloatArray, residual: float, tolerance: float) -> str:

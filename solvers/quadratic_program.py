@@ -224,7 +224,7 @@ class _Scaled:
         """Whether the direction (n,), scaled, is worth a look in fractions."""
         u = self.scale * ray
         if isinstance(self.problem, Lcp):
-            return self.problem.nearly_infeasible(u)
+            return self.problem._nearly_infeasible(u)
         length = float(np.abs(ray).max())
         pushes = float(np.abs(self.program.M @ ray).max())
         return bool(0.0 < length < np.inf and pushes <= NEAR * length and self.problem.q @ u < 0.0)

@@ -187,7 +187,7 @@ class PosedContacts:
         """(m,) the contact of each row."""
         raise NotImplementedError
 
-    def rows_of(self, contacts: IntArray) -> IntArray:
+    def _rows_of(self, contacts: IntArray) -> IntArray:
         """The rows of contacts (k,), whose numbers rise."""
         raise NotImplementedError
 

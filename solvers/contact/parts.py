@@ -56,7 +56,7 @@ def part_of(problem: Contacts, contacts: IntArray) -> Contacts:
 
     contacts (k,): their numbers, rising.
     """
-    rows = problem.rows_of(contacts)
+    rows = problem._rows_of(contacts)
     delassus, factor = of_rows(problem._data[0], problem._data[3], rows)
     keys = tuple(problem.keys[i] for i in contacts)
     return type(problem)(delassus, problem.free[rows], problem.friction[contacts], keys, factor)
@@ -64,7 +64,7 @@ def part_of(problem: Contacts, contacts: IntArray) -> Contacts:
 
 def unknowns_of(problem: PosedContacts, contacts: IntArray) -> IntArray:
     """Where the unknowns of :func:`part_of` are among those of the problem: its rows, in the plane also its slips."""
-    rows = problem.rows_of(contacts)
+    rows = problem._rows_of(contacts)
     slips = rows[rows >= len(problem.friction)] if isinstance(problem, ContactProblem) else rows[:0]
     return np.concatenate([rows, len(problem.free) - len(problem.friction) + slips])
 

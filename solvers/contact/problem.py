@@ -80,7 +80,7 @@ class ContactProblem(PosedContacts):
         """(m,) the contact of each row."""
         return np.concatenate([np.arange(len(self.friction)), self.tangent])
 
-    def rows_of(self, contacts: IntArray) -> IntArray:
+    def _rows_of(self, contacts: IntArray) -> IntArray:
         """The rows of contacts (k,), whose numbers rise."""
         rubbing = contacts[self.friction[contacts] > 0.0]
         return np.concatenate([contacts, len(self.friction) + np.searchsorted(self.tangent, rubbing)])

@@ -95,7 +95,7 @@ class SpatialContactProblem(PosedContacts):
         """(3 k,) the contact of each row."""
         return np.repeat(np.arange(len(self.friction)), 3)
 
-    def rows_of(self, contacts: IntArray) -> IntArray:
+    def _rows_of(self, contacts: IntArray) -> IntArray:
         """The rows of contacts (k,), whose numbers rise."""
         return np.asarray((3 * contacts[:, None] + np.arange(3)).ravel())
 

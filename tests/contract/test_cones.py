@@ -135,6 +135,8 @@ class TestUniqueness:
             if is_unique(problem):
                 spared += 1
                 assert count <= 1
+            tiny = SpatialContactProblem(1e-210 * problem.delassus, problem.free, [mu])
+            assert is_unique(tiny) == is_unique(problem)
         assert spared > 100
         assert several > 0
 

@@ -58,7 +58,8 @@ def is_unique(problem: SpatialContactProblem) -> bool:
     r -> u + mu |u_T| n is strictly monotone where mu^2 max eig(W_TT) (W^-1)_NN < 1, since mu |W_T d| |d_N| < d.W d for
     all d then; and r.q >= 0 for all r in the cone leaves r = 0 alone where W is definite.
     """
-    W, q, mu = problem.dense(), problem.free, float(problem.friction[0])
+    alike = problem.balanced()  # products of three entries neither overflow nor vanish
+    W, q, mu = alike.dense(), alike.free, float(problem.friction[0])
     if mu == 0.0:
         return True
     if not problem.symmetric:
