@@ -31,7 +31,7 @@ from lcpflex.solvers.certificate import (
 from lcpflex.solvers.lcp.exact_residual import Contacts, own_parts, residual_in_fractions
 from lcpflex.solvers.lcp.exact_signs import is_wide, off_in_fractions
 from lcpflex.solvers.lcp.exact_systems import ExactSystem, exact_rows
-from lcpflex.solvers.lcp.proofs import _nearly_infeasible
+from lcpflex.solvers.lcp.proofs import nearly_infeasible
 from lcpflex.solvers.solution import PROVED, LcpSolver, PosedProblem, Problem, Solution
 from lcpflex.solvers.status import Status
 
@@ -266,8 +266,8 @@ class Lcp:
         return np.asarray(self.M @ point_of("z", z, self.size) + self.q)
 
     def _nearly_infeasible(self, u: FloatArray) -> bool:
-        """Whether u (n,) is near to Farkas' vector: :func:`lcpflex.solvers.lcp.proofs._nearly_infeasible`."""
-        return _nearly_infeasible(*self._data, u)
+        """Whether u (n,) is near to Farkas' vector: :func:`lcpflex.solvers.lcp.proofs.nearly_infeasible`."""
+        return nearly_infeasible(*self._data, u)
 
     def exact_system(self) -> ExactSystem:
         """M and q in fractions."""

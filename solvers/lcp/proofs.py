@@ -25,7 +25,7 @@ __all__ = [
     "Proof",
     "exact_solution",
     "infeasibility",
-    "_nearly_infeasible",
+    "nearly_infeasible",
     "proves",
 ]
 
@@ -113,7 +113,7 @@ def exact_solution(problem: Any, work: float = WORK) -> tuple[Proof | None, Floa
         return None, np.array([_float(value * factor) for value, factor in zip(z, columns, strict=True)])
 
 
-def _nearly_infeasible(M: FloatArray, q: FloatArray, u: FloatArray) -> bool:
+def nearly_infeasible(M: FloatArray, q: FloatArray, u: FloatArray) -> bool:
     """Whether u (n,) >= 0 is near to Farkas' vector in floats: it proves nothing, but is worth a look in fractions."""
     with np.errstate(all="ignore"):  # what overflows is near to nothing: comparisons with NaN are false
         if u.shape != q.shape or not np.isfinite(u).all() or not u.size or not u.max() > 0.0:
