@@ -15,10 +15,11 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arrays import as_array, check_finite, finite_array
 from lcpflex.solvers.balance import NOTHING, Units, contact_units
+from lcpflex.solvers.certificate import SYMMETRY
 
 __all__ = [
-    "DENSE_LARGEST", "PosedContacts", "as_dense", "check_dense", "coefficients", "diagonal_of", "in_units_of",
-    "is_sparse", "keys_of", "of_rows", "read_delassus", "read_factor", "shown_only",
+    "DENSE_LARGEST", "PosedContacts", "as_dense", "check_dense", "coefficients", "diagonal_of",
+    "equals_transpose", "in_units_of", "is_sparse", "keys_of", "of_rows", "read_delassus", "read_factor", "shown_only",
 ]  # fmt: skip
 
 # Rows of the largest square array that is made of a contact problem, 128 MB: beyond it all that is kept is sparse, and
@@ -64,6 +65,11 @@ def diagonal_of(delassus: Any, factor: Any) -> FloatArray:
         return np.asarray(delassus.diagonal())
     squares = factor.power(2) if is_sparse(factor) else factor**2
     return np.asarray(squares.sum(axis=1)).ravel()
+
+
+def equals_transpose(matrix: Any) -> bool:
+    """Whether a square matrix of numpy or of scipy.sparse equals its transpose to 1e-10 of its largest entry."""
+    return not matrix.shape[0] or bool(abs(matrix - matrix.T).max() <= SYMMETRY * abs(matrix).max())
 
 
 def in_units_of(delassus: Any, factor: Any, d: FloatArray) -> tuple[Any, Any]:
@@ -210,6 +216,13 @@ class PosedContacts:
     def row_units(self) -> FloatArray:
         """(m,) :attr:`units` of the contact of each row."""
         return self.units[self.row_contacts]
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the Delassus operator equals its transpose to rounding."""
+        if "symmetric" not in self._kept:
+            self._kept["symmetric"] = self.delassus is None or equals_transpose(self._data[0])
+        return self._kept["symmetric"]  # type: ignore[no-any-return]
 
     def balanced(self) -> Self:
         """The same contacts, each measured by its own diagonal: what comes out does not depend on units.

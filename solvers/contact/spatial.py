@@ -29,7 +29,6 @@ from lcpflex.solvers.refusals import NO_LCP, check_answer
 __all__ = ["OtherLaw", "SpatialContactProblem"]
 
 MOST_ENTRIES = 20_000_000  # of the product of a factor, up to which it is multiplied out
-SYMMETRY = 1e-10  # largest |G - G^T| of a symmetric operator, relative to its largest entry
 SIDES = ("N", "1", "2")
 
 
@@ -70,18 +69,6 @@ class SpatialContactProblem(PosedContacts):
     def size(self) -> int:
         """Number 3 k of force components."""
         return len(self.free)
-
-    @property
-    def symmetric(self) -> bool:
-        """Whether the Delassus operator equals its transpose to rounding."""
-        if "symmetric" not in self._kept:
-            G = self.delassus
-            if G is None or not self.size:
-                self._kept["symmetric"] = True
-            else:
-                largest = float(abs(G).max())
-                self._kept["symmetric"] = bool(abs(G - G.T).max() <= SYMMETRY * largest)
-        return self._kept["symmetric"]  # type: ignore[no-any-return]
 
     @property
     def unknown_keys(self) -> tuple[Hashable, ...]:

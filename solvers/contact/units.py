@@ -18,12 +18,11 @@ from lcpflex.solvers.contact.best import copy_forces
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.judging import is_good, measure_loads, weigh
 from lcpflex.solvers.contact.laws import LAWS, number_of
+from lcpflex.solvers.contact.matrices import equals_transpose
 from lcpflex.solvers.contact.operators.dense import Dense
 from lcpflex.solvers.contact.strategy import find, route_names, search_parts
 
 __all__ = ["UnitForces", "solve_units"]
-
-EVEN = 1e-10  # of the largest entry: a matrix that differs by more from its transpose is not symmetric
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +111,7 @@ def _posed(W: FloatArray, free: FloatArray, S: int) -> tuple[Group, Dense, Float
     sizes = {"units": n, "rows": S, "block": S * S, "matrix": m, "unknowns": m}
     group, op = allocate(Group, sizes), allocate(Dense, sizes, columns=np.ascontiguousarray(alike.T))
     group.n, op.m = n, m
-    op.symmetric = int(np.abs(alike - alike.T).max(initial=0.0) <= EVEN * np.abs(alike).max(initial=0.0))
+    op.symmetric = int(equals_transpose(alike))
     op.row[:], op.free[:] = np.arange(m).reshape(n, S), free.ravel() * rows
     group.free[:], group.unit[:] = op.free.reshape(n, S), 1.0
     group.load[:] = np.abs(group.free).max(axis=1)

@@ -6,11 +6,9 @@ Each begins from the best point so far, in units of the contacts; what it comes 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.acceptance import accept
 from lcpflex.solvers.clock import out_of_time
@@ -34,7 +32,6 @@ PACES = {
 }
 BETWEEN = 2000  # sweeps between runs of Newton's method, at most
 CONVEX_FACTORS = 25  # what the convex program counts for
-SYMMETRY = 1e-10  # relative to the largest entry
 FEWEST, MOST = 16, 500  # sweeps for the last digits
 FACTORS = 400  # of Newton's methods for them, of dense matrices in compiled code
 SPARSE_FACTORS = 20  # of sparse ones, which are dear: one run of Alart and Curnier's method
@@ -91,7 +88,7 @@ def on_its_active_set(case: Case) -> Solution | None:
 
 def relaxed(case: Case) -> Solution | None:
     """Forces of the convex relaxation, and sweeps from there: right where contacts stick."""
-    if case.factors <= 0 or not _is_symmetric(case.problem):
+    if case.factors <= 0 or not case.problem.balanced().symmetric:
         return None
     case.factors -= CONVEX_FACTORS
     from lcpflex.solvers.contact.cone import relaxed_forces  # which knows the conic programs
@@ -227,12 +224,3 @@ def _judged(case: Case, forces: FloatArray, iterations: int, route: str, states:
     system.take(forces)
     system.group.state[:] = states
     return replace(found, active=system.point()[1])
-
-
-def _is_symmetric(problem: Any) -> bool:
-    """Whether the operator is, as the relaxation needs it."""
-    if problem.delassus is None:
-        return True
-    matrix = libs.sparse.csr_array(problem.balanced()._data[0])
-    largest = abs(matrix).max() if matrix.nnz else 0.0
-    return bool(abs(matrix - matrix.T).max() <= SYMMETRY * largest)

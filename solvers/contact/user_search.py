@@ -24,6 +24,7 @@ from lcpflex.solvers.contact.algebra import PLANAR, Vector
 from lcpflex.solvers.contact.best import Best, copy_forces
 from lcpflex.solvers.contact.group import Group
 from lcpflex.solvers.contact.judging import Judged, measure_loads
+from lcpflex.solvers.contact.matrices import equals_transpose
 from lcpflex.solvers.contact.operators import Operator, product, unknowns
 from lcpflex.solvers.contact.operators.blocks import Blocks
 from lcpflex.solvers.contact.operators.dense import REGULAR, Dense
@@ -31,7 +32,6 @@ from lcpflex.solvers.contact.system import FEW, SIZES, ContactSystem
 
 __all__ = ["UserSearch", "split_ranks", "user_attempts"]
 
-SYMMETRY = 1e-10  # relative to the largest entry
 RANK = 1e-12  # of the largest entry of a C_k: what is left is rounding
 MARGIN = 0.1  # of the tolerance: what is judged is rounded once more, and contact by contact
 
@@ -85,8 +85,7 @@ class _SparseFactors:
             block = op.block.reshape(-1, self.rows, self.rows)
             W = libs.sparse.bsr_array((block, op.other, op.first), shape=(size, size))
             self.matrix: Any = libs.sparse.csr_array(W)
-            largest = np.abs(op.block).max(initial=0.0)
-            op.symmetric = int(abs(self.matrix - self.matrix.T).max() <= SYMMETRY * largest) if size else 1
+            op.symmetric = int(equals_transpose(self.matrix))
         else:
             J = libs.sparse.csr_array((op.value, op.place, op.first), shape=(len(op.first) - 1, len(op.x)))
             present = op.row.ravel() >= 0
@@ -260,9 +259,7 @@ def _laid_out(op: Operator, group: Group, rows: int) -> Memory:
 
 def _make_room(op: Dense, size: int) -> None:
     """For factors of dense contacts, in which W is looked at."""
-    W = op.columns
-    largest = np.abs(W).max(initial=0.0)
-    op.symmetric = int(np.abs(W - W.T).max(initial=0.0) <= SYMMETRY * largest)
+    op.symmetric = int(equals_transpose(op.columns))
     if len(op.table) != size:
         put_array(op, "table", np.zeros((size, size)))
         put_array(op, "pivots", np.zeros(size, dtype=np.int64))
