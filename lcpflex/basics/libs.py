@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import llvmlite.binding as llvm
     import matplotlib.animation as animation
     import meshio
+    import meshlane
     import numba.core.event as numba_event
     import pandas
     import PIL.Image as image
@@ -42,7 +43,6 @@ if TYPE_CHECKING:
     from scipy.spatial import ConvexHull, QhullError
     from scipy.spatial.transform import Rotation
     from scipy.special import lambertw
-    from skfem.io.meshio import from_meshio
     from skfem.models.elasticity import lame_parameters, plane_stress
     from tqdm import tqdm
 
