@@ -1,0 +1,80 @@
+"""Meshes of 8-node hexahedra: grids, layers around them, and the quadrilaterals of their boundary."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from lcpflex.jit.kernel import FloatArray, IntArray
+
+__all__ = ["BoolArray", "HexMesh", "boundary_quads", "grid_cells", "layered", "with_faces"]
+
+BoolArray: TypeAlias = np.ndarray[Any, np.dtype[np.bool_]]
+
+# of an element: corners of its faces, counter-clockwise seen from outside, and of its edges
+FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
+EDGES = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HexMesh:
+    """N nodes and m hexahedra of positive volume.
+
+    Attributes
+    ----------
+    places : (N, 3) [m]
+    cells : (m, 8) nodes of the elements, in the order of VTK
+    faces : name -> (k, 4) nodes of quadrilaterals of the boundary, counter-clockwise seen from outside
+    """
+
+    places: FloatArray
+    cells: IntArray
+    faces: Mapping[str, IntArray] = field(default_factory=dict)
+
+    def longest_edges(self) -> FloatArray:
+        """(m,) the longest edge of each element [m]."""
+        longest = np.zeros(len(self.cells))
+        for a, b in EDGES:  # one after the other: all at once would take twelve times the memory
+            arms = self.places[self.cells[:, b]] - self.places[self.cells[:, a]]
+            np.maximum(longest, np.linalg.norm(arms, axis=1), out=longest)
+        return longest
+
+
+def grid_cells(numbers: IntArray) -> IntArray:
+    """(m, 8) the elements of a grid whose nodes have the numbers (nx + 1, ny + 1, nz + 1)."""
+    low, high = slice(None, -1), slice(1, None)
+    around = ((low, low), (high, low), (high, high), (low, high))
+    corners = [numbers[i, j, k] for k in (low, high) for i, j in around]
+    return np.stack([corner.ravel() for corner in corners], axis=1)
+
+
+def boundary_quads(cells: IntArray) -> IntArray:
+    """(k, 4) nodes of the faces of one element alone, counter-clockwise seen from outside."""
+    quads = cells[:, FACES].reshape(-1, 4)
+    first = quads.argmin(axis=1)
+    rows = np.arange(len(quads))
+    key = quads[rows, first] * (int(cells.max()) + 1) + quads[rows, (first + 2) % 4]  # of a diagonal: one quad has it
+    _, place, uses = np.unique(key, return_index=True, return_counts=True)
+    return np.asarray(quads[np.sort(place[uses == 1])])
+
+
+def layered(cells: IntArray, quads: IntArray, layers: int) -> tuple[IntArray, IntArray]:
+    """The elements of a mesh with layers of elements on some quadrilaterals of its boundary, and the nodes below them.
+
+    Nodes (s,) that the quadrilaterals have come again in each layer, in their order, after those of the mesh.
+    """
+    below, number = np.unique(quads, return_inverse=True)
+    number, count = number.reshape(quads.shape), int(cells.max()) + 1
+    levels = [quads, *(count + layer * len(below) + number for layer in range(layers))]
+    shell = [np.hstack([inner, outer]) for inner, outer in itertools.pairwise(levels)]
+    return np.concatenate([cells, *shell]), below
+
+
+def with_faces(places: FloatArray, cells: IntArray, on: Mapping[str, BoolArray]) -> HexMesh:
+    """The mesh with its boundary in faces, each of the quadrilaterals all nodes of which are marked, (N,) bool."""
+    quads = boundary_quads(cells)
+    return HexMesh(places, cells, {name: quads[marked[quads].all(axis=1)] for name, marked in on.items()})
