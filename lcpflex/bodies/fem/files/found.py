@@ -111,8 +111,8 @@ Part = tuple[str, str, IntArray]  # name of a group, kind of its elements, their
 def grouped(sets: Mapping[str, IntArray], sources: Sequence[Sequence[Part]], kinds: Iterable[str]) -> dict[str, Group]:
     """Groups by name: sets of nodes first, then parts of points and lines, of areas, of volumes.
 
-    A name that comes twice keeps its first meaning; parts of one source, name and dimension are one group. Areas give
-    facets where the mesh has solid elements of one kind.
+    A name that comes twice keeps its first meaning, to which facets of the same nodes are added; parts of one source,
+    name and dimension are one group. Areas give facets where the mesh has solid elements of one kind.
 
     sets: nodes by name. sources: lists of parts, the former before the latter. kinds: of all elements of the mesh.
     """
@@ -129,7 +129,9 @@ def grouped(sets: Mapping[str, IntArray], sources: Sequence[Sequence[Part]], kin
             for name, of_name in pieces.items():
                 nodes = np.unique(np.concatenate([cells.ravel() for _, cells in of_name]))
                 faces = _facets(name, of_name, corners) if dimensions == (2,) and corners else None
-                groups.setdefault(name, Group(nodes, faces))
+                known = groups.get(name)
+                if known is None or (known.facets is None and np.array_equal(known.nodes, nodes)):
+                    groups[name] = Group(nodes, faces)
     return groups
 
 

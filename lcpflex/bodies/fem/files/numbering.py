@@ -56,14 +56,14 @@ class Numbering:
     """
 
     def __init__(self, numbers: IntArray, what: str) -> None:
-        self.what, self.count = what, len(numbers)
+        self.what, self.count, self._numbers = what, len(numbers), numbers
         self._table: IntArray | None = None
         self._order: IntArray | None = None
         low, high = (int(numbers.min()), int(numbers.max())) if len(numbers) else (0, -1)
         if low < 0:
             raise Unreadable(f"{what} {low}, expected numbers from 0")
         self._low, self._high = low, high
-        if high - low < SPARSE * len(numbers):
+        if len(numbers) and high - low < SPARSE * len(numbers):
             self._table = np.full(high - low + 1, -1, dtype=np.int64)
             self._table[numbers - low] = np.arange(len(numbers))
             if int((self._table >= 0).sum()) < len(numbers):
@@ -87,6 +87,17 @@ class Numbering:
             return np.full(numbers.shape, -1, dtype=np.int64)
         at = np.minimum(np.searchsorted(self._sorted, numbers), self.count - 1)
         return np.where(self._sorted[at] == numbers, self._order[at], -1)
+
+    def within(self, first: int, last: int, step: int) -> IntArray:
+        """Places of the numbers first, first + step, ... up to last that are there; raises Unreadable for none."""
+        if self._order is None:
+            self._order = np.argsort(self._numbers, kind="stable")
+            self._sorted = self._numbers[self._order]
+        begin, end = np.searchsorted(self._sorted, first), np.searchsorted(self._sorted, last, side="right")
+        found = self._order[begin:end][(self._sorted[begin:end] - first) % step == 0]
+        if not len(found):
+            raise Unreadable(f"a set has {self.what}s {first} to {last} by {step}, expected some that are in the file")
+        return found
 
     def known(self, numbers: IntArray, owner: str) -> IntArray:
         """Places in the list; raises Unreadable for a number that is not there. owner: of the numbers in messages."""

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
-import re
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,8 +15,6 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["read_other"]
 
-ABAQUS = {"3": "CPS3", "4": "CPS4", "6": "CPE6", "8": "S8R"}  # by number of nodes: the names that meshio knows
-ABAQUS_TYPE = re.compile(r"(?im)^(\*element\b.*?\btype\s*=\s*)(?:cps|cpe|cax)([3468])\w*")
 ASKED = 100  # times that a reader may find the end of a file
 MISSING = "neither meshio nor meshlane is installed, expected one of them for files of this format: pip install meshio"
 
@@ -54,8 +50,6 @@ def _read(library: Any, name: str) -> Any:
     talk = io.StringIO()
     try:
         with contextlib.redirect_stdout(talk), contextlib.redirect_stderr(talk):
-            if name.lower().endswith(".inp"):
-                return _read_abaqus(library, name)
             if not name.lower().endswith(".msh"):
                 return library.read(name)
             with _CutFile(io.FileIO(name)) as file:  # of Fluent, and its reader knows no end
@@ -67,15 +61,6 @@ def _read(library: Any, name: str) -> Any:
     except Exception as error:  # the readers raise whatever a broken file makes them stumble over
         said = f"{type(error).__name__}: {error}"
     raise Unreadable(f"{library.__name__} cannot read it ({said}), expected a mesh in a format that it knows")
-
-
-def _read_abaqus(library: Any, name: str) -> Any:
-    """An Abaqus input file, with the planar and axisymmetric element types that meshio has no name for."""
-    text = Path(name).read_text(errors="replace")
-    translated = ABAQUS_TYPE.sub(lambda match: match[1] + ABAQUS[match[2]], text)
-    if translated == text or re.search(r"(?im)^\*include", text):
-        return library.read(name)
-    return library.abaqus._abaqus.read_buffer(io.StringIO(translated))
 
 
 class _CutFile(io.BufferedReader):

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from lcpflex.basics.arguments import LARGEST_TEXT
+from lcpflex.bodies.fem.files.abaqus import read_abaqus
 from lcpflex.bodies.fem.files.found import FoundMesh, Unreadable
 from lcpflex.bodies.fem.files.gmsh import is_gmsh, read_gmsh
 from lcpflex.bodies.fem.files.others import read_other
@@ -50,6 +51,8 @@ def read_found(path: str | os.PathLike[str]) -> FoundMesh:
 def _read(name: str, source: str) -> FoundMesh:
     with Path(name).open("rb") as file:
         head = file.read(HEAD)
+    if name.lower().endswith(".inp") or head.lstrip().startswith(b"*"):
+        return read_abaqus(Path(name), source)
     if is_gmsh(head) or (name.lower().endswith(".msh") and not head.startswith(b"(")):  # with one: of Fluent
         return read_gmsh(Path(name).read_bytes(), source)
     return read_other(name, source)
