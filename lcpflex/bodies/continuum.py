@@ -39,7 +39,8 @@ class Continuum:
     ----------
     mesh : a scikit-fem mesh (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2; :mod:`lcpflex.bodies.fem.meshes` makes some),
     or the
-        name of a file that meshio reads (Gmsh, Abaqus, VTK, ...) with one kind of planar element. Places [m]
+        name of a file of Gmsh (2.2, 4.1), Abaqus (.inp), or what meshio or meshlane reads if installed (VTK, ...), with
+        one kind of planar element. Places [m]
     density : [kg/m^3]
     youngs_modulus : [Pa]
     poissons_ratio : in (-1, 0.5)

@@ -20,7 +20,7 @@ __all__ = ["planar_mesh"]
 
 
 def planar_mesh(mesh: Any, unit: float = 1.0) -> PlanarMesh:
-    """The checked mesh of a scikit-fem mesh, or of a file that meshio reads, whose unit of length has ``unit`` metres.
+    """The checked mesh of a scikit-fem mesh, or of a file, whose unit of length has ``unit`` metres.
 
     Elements that run clockwise are turned around. Nodes without an element are left out, with a warning.
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import io
+import sys
 
 import numpy as np
 import pytest
 
+from lcpflex.basics import libs as basics_libs
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.fem import meshes
 from lcpflex.errors import ModelError, ModelWarning
@@ -230,6 +232,22 @@ def test_broken_files_are_refused_without_noise(tmp_path, capfd, name, content):
     with pytest.raises(ModelError, match=r"cannot read it|were found|elements with nodes"):
         Continuum(path, *STEEL)
     assert capfd.readouterr() == ("", "")
+
+
+def test_without_meshio_its_files_are_read_by_meshlane_or_the_missing_library_is_named(tmp_path, monkeypatch):
+    """meshlane is meshio under another name, with more formats."""
+    path = tmp_path / "strip.vtk"
+    quietly(strip(True, False).save, path)
+    monkeypatch.setitem(sys.modules, "meshlane", libs.meshio)
+    monkeypatch.delitem(vars(basics_libs), "meshio", raising=False)
+    monkeypatch.setitem(sys.modules, "meshio", None)
+    same_body(path, strip(True, False), ["left", "outline"])
+    assert vars(basics_libs).pop("meshlane") is libs.meshio  # it was loaded for that
+    monkeypatch.setitem(sys.modules, "meshlane", None)
+    with pytest.raises(ModelError, match=r"neither meshio nor meshlane .*pip install 'lcpflex\[meshes\]'"):
+        Continuum(path, *STEEL)
+    (tmp_path / "two.msh").write_text(GMSH_41)
+    assert Continuum(tmp_path / "two.msh", *STEEL).finite_elements().points == {"corner": 0}
 
 
 def test_a_folder_is_no_file(tmp_path):

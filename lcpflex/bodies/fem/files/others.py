@@ -16,7 +16,9 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 __all__ = ["read_other"]
 
 ASKED = 100  # times that a reader may find the end of a file
-MISSING = "neither meshio nor meshlane is installed, expected one of them for files of this format: pip install meshio"
+MISSING = (
+    "neither meshio nor meshlane is installed, expected one for files of its format: pip install 'lcpflex[meshes]'"
+)
 
 
 def read_other(name: str, source: str) -> FoundMesh:
