@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.reduction.interface import Interface
     from lcpflex.bodies.reduction.stiffening import Stiffening
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
+    from lcpflex.bodies.solid import Solid
     from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
     from lcpflex.bodies.spatial.beam import SpatialBeam
     from lcpflex.bodies.spatial.body import SpatialBody, SpatialPoint
@@ -153,6 +154,7 @@ __all__ = [
     "Slot",
     "SlotParts",
     "Smooth",
+    "Solid",
     "SolidOfRevolution",
     "SolverError",
     "SpatialScene",

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from scipy.interpolate import CubicHermiteSpline, CubicSpline
     from scipy.optimize import brentq, linprog, nnls
     from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, splu
-    from scipy.spatial import ConvexHull, QhullError
+    from scipy.spatial import ConvexHull, QhullError, cKDTree
     from scipy.spatial.transform import Rotation
     from scipy.special import lambertw
     from skfem.models.elasticity import lame_parameters, plane_stress

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.reduction.interface import Interface as Interface
     from lcpflex.bodies.reduction.stiffening import Stiffening as Stiffening
     from lcpflex.bodies.rigid import Box as Box, Disc as Disc, Polygon as Polygon, RigidBody as RigidBody
+    from lcpflex.bodies.solid import Solid as Solid
     from lcpflex.bodies.solid_of_revolution import SolidOfRevolution as SolidOfRevolution
     from lcpflex.bodies.spatial.beam import SpatialBeam as SpatialBeam
     from lcpflex.bodies.spatial.body import SpatialBody as SpatialBody, SpatialPoint as SpatialPoint

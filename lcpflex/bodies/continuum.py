@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from lcpflex.basics.arguments import positive
-from lcpflex.bodies.fem.assembly import Solid, lame_constants
+from lcpflex.bodies.body import Body
+from lcpflex.bodies.fem.assembly import ElasticSolid, lame_constants
 from lcpflex.bodies.fem.checked_mesh import planar_mesh
 from lcpflex.bodies.fem.elastic_mesh import finite_elements_of
 from lcpflex.bodies.fem.finite_elements import FiniteElements
@@ -77,6 +78,8 @@ class Continuum:
     length_unit: str | float | None = None
     _finite_elements: FiniteElements = field(init=False, repr=False)
 
+    reduces_to: ClassVar[type[Body]] = Body
+
     def __post_init__(self) -> None:
         check_material(self)
         object.__setattr__(self, "thickness", positive("thickness", self.thickness))
@@ -88,7 +91,7 @@ class Continuum:
             speed /= math.sqrt(1.0 - self.poissons_ratio**2)
         mesh = planar_mesh(self.mesh, metres(self.length_unit))
         check_size(self, mesh)
-        solid = Solid(mesh, self.density, lame, self.thickness, not self.plane_strain)
+        solid = ElasticSolid(mesh, self.density, lame, self.thickness, not self.plane_strain)
         object.__setattr__(self, "_finite_elements", finite_elements_of(solid, self.sets, speed))
 
     def finite_elements(self) -> FiniteElements:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -58,6 +58,8 @@ class Matrices:
     coordinates: npt.ArrayLike
     node_sets: Mapping[str, int | Sequence[int]] = field(default_factory=dict)
     damping: Any = None
+
+    reduces_to: ClassVar[type[Body]] = Body
 
     def __post_init__(self) -> None:
         places = array_of("coordinates", self.coordinates, (-1, 2))

@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, ClassVar
 
-from lcpflex.bodies.fem.assembly import Solid, lame_constants
+from lcpflex.bodies.body import Body
+from lcpflex.bodies.fem.assembly import ElasticSolid, lame_constants
 from lcpflex.bodies.fem.checked_mesh import planar_mesh
 from lcpflex.bodies.fem.elastic_mesh import finite_elements_of
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.length_unit import check_size, metres
 from lcpflex.bodies.fem.material import check_material
-from lcpflex.bodies.fem.planar_mesh import FLAT, PlanarMesh
+from lcpflex.bodies.fem.mesh import FLAT, Mesh
 from lcpflex.bodies.fem.stiffness_error import stiffness_error
 from lcpflex.bodies.reduction.component_modes import free_interface
 from lcpflex.errors import ModelError
@@ -64,12 +65,14 @@ class SolidOfRevolution:
     length_unit: str | float | None = None
     _finite_elements: FiniteElements = field(init=False, repr=False)
 
+    reduces_to: ClassVar[type[Body]] = Body
+
     def __post_init__(self) -> None:
         check_material(self)
         lame = lame_constants(self.youngs_modulus, self.poissons_ratio, plane_stress=False)
         mesh = planar_mesh(self.mesh, metres(self.length_unit))
         check_size(self, mesh)
-        solid = Solid(_above_axis(mesh), self.density, lame, None)
+        solid = ElasticSolid(_above_axis(mesh), self.density, lame, None)
         speed = math.sqrt(self.youngs_modulus / self.density)
         object.__setattr__(self, "_finite_elements", finite_elements_of(solid, self.sets, speed))
 
@@ -93,7 +96,7 @@ class SolidOfRevolution:
     reduce = free_interface  # to the lowest free modes
 
 
-def _above_axis(mesh: PlanarMesh) -> PlanarMesh:
+def _above_axis(mesh: Mesh) -> Mesh:
     """The mesh with its nodes near the axis on it; refuses nodes below."""
     places = mesh.places.copy()
     lowest = int(places[:, 1].argmin())

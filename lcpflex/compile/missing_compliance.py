@@ -79,7 +79,8 @@ def _place(acting: Acting) -> tuple[float, float]:
     """Where something acts [m]: what acts in a scene has coordinates."""
     place = acting.interface.place
     assert isinstance(place, tuple)
-    return place
+    x, y = place
+    return x, y
 
 
 def _has(body: Body, acting: Acting) -> bool:

@@ -32,7 +32,7 @@ class LineShapes(NamedTuple):
 class MeshShapes(NamedTuple):
     """A planar mesh of one kind of element with its material, and its modes at its N nodes."""
 
-    kind: str  # of the elements, by the names of :mod:`lcpflex.bodies.fem.planar_mesh`
+    kind: str  # of the elements, by the names of :mod:`lcpflex.bodies.fem.mesh`
     places: FloatArray  # (N, 2) [m]
     cells: IntArray  # (elements, nodes of one)
     density: float  # [kg/m^3]

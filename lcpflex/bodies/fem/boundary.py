@@ -13,10 +13,10 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from lcpflex.bodies.body import named
-from lcpflex.bodies.fem.node_sets import node_numbers
-from lcpflex.bodies.fem.planar_mesh import FLAT, PlanarMesh
-from lcpflex.errors import ModelError, ModelWarning, shown
+from lcpflex.bodies.fem.facets import outer_facets, refuse
+from lcpflex.bodies.fem.mesh import FLAT, Mesh
+from lcpflex.bodies.fem.user_sets import user_sets
+from lcpflex.errors import ModelWarning
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["Boundary", "Names", "boundary_of", "names_of"]
@@ -37,6 +37,12 @@ class Boundary:
     loops: tuple[IntArray, ...]
     stride: int
 
+    def pieces(self, places: FloatArray) -> FloatArray:
+        """(k, 2, 2) both ends of the straight pieces from node to node."""
+        starts = np.concatenate([places[loop] for loop in self.loops])
+        ends = np.concatenate([np.roll(places[loop], -1, axis=0) for loop in self.loops])
+        return np.stack([starts, ends], axis=1)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Names:
@@ -47,7 +53,7 @@ class Names:
     chains: Chains = field(default_factory=dict)
 
 
-def boundary_of(mesh: PlanarMesh) -> Boundary:
+def boundary_of(mesh: Mesh) -> Boundary:
     """The loops of boundary edges: the outer one, then holes in the order of their middles (x, then y).
 
     Each starts at its leftmost node (the lowest of them).
@@ -57,20 +63,7 @@ def boundary_of(mesh: PlanarMesh) -> Boundary:
     ModelError
         Where elements overlap (an edge of more than two) or touch at a corner only.
     """
-    walked = mesh.cells[:, mesh.kind.edges()].reshape(-1, 3 if mesh.kind.quadratic else 2)
-    _, first, number, uses = np.unique(mesh.edge_keys(), return_index=True, return_inverse=True, return_counts=True)
-    if uses.max() > 2:
-        _refuse(mesh, int(walked[first[uses.argmax()], 0]), f"{uses.max()} elements share an edge", "at most two")
-    edges = walked[first[uses == 1]]
-    inner = np.flatnonzero(uses == 2)
-    order = np.argsort(number.ravel(), kind="stable")
-    pairs = walked[order[np.searchsorted(number.ravel()[order], inner)[:, None] + [0, 1]]]
-    same = (pairs[:, 0, :2] == pairs[:, 1, :2]).all(axis=1)
-    if same.any():
-        _refuse(mesh, int(pairs[same.argmax(), 0, 0]), "two elements lie on the same side of an edge", "no overlap")
-    if mesh.kind.quadratic and (pairs[:, 0, 2] != pairs[:, 1, 2]).any():
-        apart = int((pairs[:, 0, 2] != pairs[:, 1, 2]).argmax())
-        _refuse(mesh, int(pairs[apart, 0, 2]), "an edge has two nodes amid it", "one that both elements share")
+    edges = outer_facets(mesh)
     loops = _linked(mesh, edges)
     areas = [_area(mesh.places[loop]) for loop in loops]
     _check_loops(mesh, loops, areas)
@@ -80,11 +73,11 @@ def boundary_of(mesh: PlanarMesh) -> Boundary:
     return Boundary((loops[outer], *holes), 2 if mesh.kind.quadratic else 1)
 
 
-def _check_loops(mesh: PlanarMesh, loops: list[IntArray], areas: list[float]) -> None:
+def _check_loops(mesh: Mesh, loops: list[IntArray], areas: list[float]) -> None:
     """One loop around the mesh; slits are told, nodes that hang on edges refused."""
     around = [k for k, area in enumerate(areas) if area > FLAT * mesh.size**2]
     if len(around) > 1:
-        _refuse(mesh, int(loops[around[1]][0]), "a second loop runs around the mesh", "no overlap")
+        refuse(mesh, int(loops[around[1]][0]), "a second loop runs around the mesh", "no overlap")
     for loop, area in zip(loops, areas, strict=True):
         places = mesh.places[loop]
         extent = float(np.ptp(places, axis=0).max())
@@ -92,7 +85,7 @@ def _check_loops(mesh: PlanarMesh, loops: list[IntArray], areas: list[float]) ->
             continue
         ordered = places[np.lexsort(np.round(places / (FLAT * mesh.size)).T)]
         if not (np.abs(np.diff(ordered, axis=0)).max(axis=1) <= FLAT * mesh.size).any():
-            _refuse(mesh, int(loop[0]), "a node hangs on an edge", "elements that share whole edges")
+            refuse(mesh, int(loop[0]), "a node hangs on an edge", "elements that share whole edges")
         x, y = places[0]
         warnings.warn(
             f"{mesh.source}: it has a slit at ({x:.6g}, {y:.6g}): merge the nodes that coincide, unless it is a crack",
@@ -101,18 +94,13 @@ def _check_loops(mesh: PlanarMesh, loops: list[IntArray], areas: list[float]) ->
         )
 
 
-def _refuse(mesh: PlanarMesh, node: int, fault: str, expected: str) -> None:
-    x, y = mesh.places[node]
-    raise ModelError(f"{mesh.source}: {fault} at ({x:.6g}, {y:.6g}), expected {expected}")
-
-
-def _linked(mesh: PlanarMesh, edges: IntArray) -> list[IntArray]:
+def _linked(mesh: Mesh, edges: IntArray) -> list[IntArray]:
     """The closed walks along directed edges (k, 2 or 3: from, to, amid)."""
     starts, uses = np.unique(edges[:, 0], return_counts=True)
     if uses.max() > 1:
         node = int(starts[uses.argmax()])
         fault = "parts of the mesh touch at one node only, or a node hangs on an edge,"
-        _refuse(mesh, node, fault, "a boundary that does not meet itself")
+        refuse(mesh, node, fault, "a boundary that does not meet itself")
     row = dict(zip(edges[:, 0].tolist(), range(len(edges)), strict=True))
     x, y = mesh.places.T
     left = sorted(row, key=lambda node: (x[node], y[node]))
@@ -137,7 +125,7 @@ def _area(places: FloatArray) -> float:
     return 0.5 * float((arms[:, 0] * on[:, 1] - on[:, 0] * arms[:, 1]).sum())
 
 
-def names_of(mesh: PlanarMesh, boundary: Boundary, sets: Mapping[str, Any], axis: bool) -> Names:
+def names_of(mesh: Mesh, boundary: Boundary, sets: Mapping[str, Any], axis: bool) -> Names:
     """Every name of the mesh: its boundary, the groups it came with, and the user's sets.
 
     One node is a point and a set. Nodes that are those of one unbroken row of boundary edges are a surface, too: in
@@ -157,10 +145,7 @@ def names_of(mesh: PlanarMesh, boundary: Boundary, sets: Mapping[str, Any], axis
     found = Names()
     _name_loops(found, mesh, boundary, axis)
     taken = set(found.chains)
-    given = {name: _nodes(name, value, mesh) for name, value in named("sets", sets).items()}
-    clash = sorted(taken & set(given))
-    if clash:
-        raise ModelError(f"sets: the name {clash[0]!r} was given, expected another one: a loop of the boundary has it")
+    given = user_sets(mesh, sets, taken)
     for name, nodes in {**mesh.groups, **given}.items():
         if name in taken:
             continue  # a group of a file that is called like a loop: the loop is what contact needs
@@ -174,7 +159,7 @@ def names_of(mesh: PlanarMesh, boundary: Boundary, sets: Mapping[str, Any], axis
     return found
 
 
-def _name_loops(found: Names, mesh: PlanarMesh, boundary: Boundary, axis: bool) -> None:
+def _name_loops(found: Names, mesh: Mesh, boundary: Boundary, axis: bool) -> None:
     """ "outline" and "hole1", ...; of a half section also "surface", without the axis, and open cavities as holes."""
     outer, *holes = boundary.loops
     found.chains["outline"] = (outer, True)
@@ -218,50 +203,3 @@ def _chain(nodes: IntArray, boundary: Boundary) -> tuple[IntArray, bool] | None:
         if len(pieces) == 1 and len(pieces[0][0]) == len(nodes):
             return pieces[0]
     return None
-
-
-def _nodes(name: str, value: Any, mesh: PlanarMesh) -> IntArray:
-    """The nodes that a user means."""
-    label = f"sets[{name!r}]"
-    if isinstance(value, str):
-        if value not in mesh.groups:
-            known = ", ".join(map(repr, mesh.groups)) or "none"
-            raise ModelError(f"{label}: {shown(value)} was given, expected a group of the mesh ({known})")
-        return mesh.groups[value]
-    if callable(value):
-        chosen = np.flatnonzero(_asked(label, value, mesh))
-        if not len(chosen):
-            (x0, y0), (x1, y1) = mesh.places.min(axis=0), mesh.places.max(axis=0)
-            raise ModelError(
-                f"{label}: no node fulfils the predicate, expected one: they lie in {x0:.6g} <= x <= {x1:.6g}, "
-                f"{y0:.6g} <= y <= {y1:.6g}, and places that are computed are equal to rounding only"
-            )
-        return chosen
-    return np.unique(
-        node_numbers(label, value, len(mesh.places), "a predicate f(x, y), node numbers or a group's name")
-    )
-
-
-def _asked(label: str, predicate: Any, mesh: PlanarMesh) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    """(N,) the answers of a predicate, which may be written for arrays or for numbers."""
-    x, y = mesh.places.T
-    try:
-        answer = predicate(x.copy(), y.copy())
-    except Exception:
-        answer = None  # perhaps it is written for numbers: what is wrong with it comes up below
-    if isinstance(answer, np.ndarray) and answer.shape == x.shape:
-        if answer.dtype == np.bool_:
-            return answer
-        raise ModelError(f"{label}: the predicate gave an array of {answer.dtype}, expected bool")
-    answers = np.empty(len(x), dtype=np.bool_)
-    for k, place in enumerate(mesh.places.tolist()):
-        try:
-            one = predicate(*place)
-        except Exception as error:
-            raise ModelError(f"{label}: the predicate raised {shown(error)} at ({place[0]:g}, {place[1]:g})") from error
-        if not isinstance(one, (bool, np.bool_)):
-            raise ModelError(
-                f"{label}: the predicate gave {shown(one)} at ({place[0]:g}, {place[1]:g}), expected a bool"
-            )
-        answers[k] = one
-    return answers

@@ -1,94 +1,85 @@
-"""The next finer mesh of the same body: quadratic elements for linear ones, four for each quadratic one."""
+"""The next finer mesh of the same body: quadratic elements for linear ones, 2^d for each quadratic one."""
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
 
-from lcpflex.bodies.fem.assembly import shape_functions
-from lcpflex.bodies.fem.planar_mesh import KINDS, PlanarMesh
+from lcpflex.bodies.fem.assembly import reference_corners, shape_functions
+from lcpflex.bodies.fem.mesh import KINDS, Kind, Mesh
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["finer"]
 
-# Places (s, t) of the reference element in quarters, of a quadratic element that is split in four: the corners and the
-# nodes amid edges and element of each part, in the order of PlanarMesh.
-TRIANGLE = ((0, 0), (4, 0), (0, 4), (2, 0), (2, 2), (0, 2))
-TRIANGLES = (((0, 0), 1), ((2, 0), 1), ((0, 2), 1), ((2, 2), -1))  # origin, and direction: the one amid points back
-SQUARE = ((0, 0), (4, 0), (4, 4), (0, 4), (2, 0), (4, 2), (2, 4), (0, 2), (2, 2))
-SQUARES = (((0, 0), 1), ((2, 0), 1), ((2, 2), 1), ((0, 2), 1))
+RAISED = {"triangle": "triangle6", "quad": "quad9", "tetra": "tetra10", "hexahedron": "hexahedron27"}
+FULL = {"hexahedron20": "hexahedron27"}  # of parts of an element: those of 20 nodes have no nodes amid their faces
+GRID = 8  # parts of an edge in which places are counted: a node amid half an edge is at 2 of them
+# Corners of the parts of a simplex, each amid two of its corners (twice the same: that corner). The octahedron that is
+# left amid a tetrahedron is cut in four along the line from the middle of 0-2 to that of 1-3.
+PARTS_OF_TRIANGLE = (
+    ((0, 0), (0, 1), (0, 2)),
+    ((0, 1), (1, 1), (1, 2)),
+    ((0, 2), (1, 2), (2, 2)),
+    ((0, 1), (1, 2), (0, 2)),
+)
+PARTS_OF_TETRA = (
+    ((0, 0), (0, 1), (0, 2), (0, 3)),
+    ((0, 1), (1, 1), (1, 2), (1, 3)),
+    ((0, 2), (1, 2), (2, 2), (2, 3)),
+    ((0, 3), (1, 3), (2, 3), (3, 3)),
+    ((0, 2), (1, 3), (0, 1), (1, 2)),
+    ((0, 2), (1, 3), (1, 2), (2, 3)),
+    ((0, 2), (1, 3), (2, 3), (0, 3)),
+    ((0, 2), (1, 3), (0, 3), (0, 1)),
+)
 
 
-def finer(mesh: PlanarMesh) -> PlanarMesh:
-    """A mesh of quadratic elements on the same area, without groups: one for each linear element, or four for each
-    quadratic one; curved edges stay as they are.
+def finer(mesh: Mesh) -> Mesh:
+    """A mesh of quadratic elements on the same body, without groups: one for each linear element, or four (in space
+    eight) for each quadratic one; curved edges stay as they are.
     """
-    return _split(mesh) if mesh.kind.quadratic else _raised(mesh)
-
-
-def _raised(mesh: PlanarMesh) -> PlanarMesh:
-    """Nodes amid the straight edges, and amid quadrilaterals."""
-    count, corners = len(mesh.places), mesh.cells
-    _, first, edge = np.unique(mesh.edge_keys(), return_index=True, return_inverse=True)
-    ends = corners[:, mesh.kind.edges()].reshape(-1, 2)[first]
-    places = [mesh.places, mesh.places[ends].mean(axis=1)]
-    cells = [corners, count + edge.reshape(corners.shape)]
-    if mesh.kind.corners == 4:
-        places.append(mesh.places[corners].mean(axis=1))
-        cells.append(count + len(first) + np.arange(len(corners))[:, None])
-    kind = KINDS["triangle6" if mesh.kind.corners == 3 else "quad9"]
-    return PlanarMesh(kind, np.concatenate(places), np.column_stack(cells), source=mesh.source)
-
-
-def _split(mesh: PlanarMesh) -> PlanarMesh:
-    """Four elements for each, on the same shape functions."""
-    element, parts = (TRIANGLE, TRIANGLES) if mesh.kind.corners == 3 else (SQUARE, SQUARES)
-    children = [
-        [tuple(int(o) + way * q // 2 for o, q in zip(at, spot, strict=True)) for spot in element] for at, way in parts
-    ]
-    spots = sorted({spot for child in children for spot in child})
-    number, places = _nodes(mesh, spots, element)
-    column = {spot: k for k, spot in enumerate(spots)}
-    cells = np.concatenate([number[:, [column[spot] for spot in child]] for child in children])
+    kind = mesh.kind
+    corners = reference_corners(kind)
+    wanted = KINDS[FULL.get(kind.name, RAISED.get(kind.name, kind.name))]
+    parts = _parts(kind) if kind.quadratic else corners[None]
+    spots = np.stack([parts[:, list(amid)].mean(axis=1) for amid in wanted.middles], axis=1)  # (parts, nodes, d)
+    at, number = np.unique(
+        np.rint(GRID * spots.reshape(-1, kind.dimension)).astype(np.int64), axis=0, return_inverse=True
+    )
+    nodes, places = _nodes(mesh, at / GRID)
+    cells = nodes[:, number.ravel()].reshape(-1, wanted.nodes)
     used, cells = np.unique(cells, return_inverse=True)
-    return replace(mesh, places=places[used], cells=cells.reshape(-1, mesh.kind.nodes), groups={})
+    return replace(mesh, kind=wanted, places=places[used], cells=cells.reshape(-1, wanted.nodes), groups={}, faces={})
 
 
-def _nodes(
-    mesh: PlanarMesh, spots: list[tuple[int, ...]], element: tuple[tuple[int, int], ...]
-) -> tuple[IntArray, FloatArray]:
-    """(m, spots) numbers of the nodes at the spots of each element, and the places of all."""
-    count, cells, corners = len(mesh.places), mesh.cells, mesh.kind.corners
-    _, edge = np.unique(mesh.edge_keys(), return_inverse=True)
-    edge = edge.reshape(len(cells), corners)
-    on_edges = count + 2 * (int(edge.max()) + 1)
-    number = np.empty((len(cells), len(spots)), dtype=np.int64)
-    inside = 0
-    for k, spot in enumerate(spots):
-        if spot in element:
-            number[:, k] = cells[:, element.index(spot)]
-            continue
-        side = _quarter_of(spot, element, corners)
-        if side is None:
-            number[:, k] = on_edges + inside * len(cells) + np.arange(len(cells))
-            inside += 1
-        else:  # two for each edge: the first is nearer to its end of lower number
-            e, near = side
-            far = (e + 1) % corners if near == e else e
-            number[:, k] = count + 2 * edge[:, e] + (cells[:, near] > cells[:, far])
-    X = 0.25 * np.array(spots, dtype=np.float64).T
-    places = np.empty((on_edges + inside * len(cells), 2))
-    places[number] = np.einsum("qn,mni->mqi", shape_functions(mesh, X)[0], mesh.places[cells])
-    places[:count] = mesh.places
-    return number, places
+def _parts(kind: Kind) -> FloatArray:
+    """(2^d, corners, d) corners of the parts of the reference element."""
+    corners = reference_corners(kind)
+    if kind.simplex:
+        table = PARTS_OF_TRIANGLE if kind.dimension == 2 else PARTS_OF_TETRA
+        return np.array([[corners[list(pair)].mean(axis=0) for pair in part] for part in table])
+    origins = np.array(list(itertools.product((0.0, 0.5), repeat=kind.dimension)))
+    return np.asarray(origins[:, None] + 0.5 * corners)
 
 
-def _quarter_of(spot: tuple[int, ...], element: tuple[tuple[int, int], ...], corners: int) -> tuple[int, int] | None:
-    """The edge on which the spot lies and the corner next to it; None inside."""
-    for e in range(corners):
-        a, b = np.array(element[e]), np.array(element[(e + 1) % corners])
-        for near, here in ((e, (3 * a + b) // 4), ((e + 1) % corners, (a + 3 * b) // 4)):
-            if tuple(here) == spot:
-                return e, near
-    return None
+def _nodes(mesh: Mesh, spots: FloatArray) -> tuple[IntArray, FloatArray]:
+    """(m, s) numbers of nodes at the spots (s, d) of each element, and their places.
+
+    Two elements have the same node at a spot of a facet that they share, whose place is the same mean of its corners.
+    """
+    kind = mesh.kind
+    shares = np.rint(GRID**kind.dimension * shape_functions(kind.linear, spots.T)[0]).astype(np.int64)
+    corners = mesh.cells[:, None, : kind.corners]
+    key = np.where(shares > 0, corners * (GRID**kind.dimension + 1) + shares, -1)
+    key = np.sort(key, axis=2).reshape(-1, kind.corners)
+    number = key[:, 0]
+    for column in key.T[1:]:  # numbered anew each time: products of keys would overflow
+        both = np.stack([number, column], axis=1)
+        number = np.unique(both, axis=0, return_inverse=True)[1].ravel()
+    number = np.unique(number, return_inverse=True)[1]
+    places = np.empty((int(number.max()) + 1, kind.dimension))
+    N = shape_functions(kind, spots.T)[0]
+    places[number.ravel()] = np.einsum("qn,mni->mqi", N, mesh.places[mesh.cells]).reshape(-1, kind.dimension)
+    return number.reshape(len(mesh.cells), len(spots)), places

@@ -11,7 +11,7 @@ import numpy as np
 
 from lcpflex.basics.arguments import one_of, positive
 from lcpflex.bodies.fem.material import SPEEDS
-from lcpflex.bodies.fem.planar_mesh import PlanarMesh
+from lcpflex.bodies.fem.mesh import Mesh
 from lcpflex.errors import ModelWarning
 
 __all__ = ["METRES", "check_size", "metres"]
@@ -37,7 +37,7 @@ def metres(unit: Any) -> float:
     return positive("length_unit", unit)
 
 
-def check_size(part: Any, mesh: PlanarMesh) -> None:
+def check_size(part: Any, mesh: Mesh) -> None:
     """Warn of a body that is larger than solids of its material are, unless it has a ``length_unit``.
 
     Its mesh is in another unit, most likely. The mean width 2 A / P, A the area of the mesh and P the length of its
@@ -69,7 +69,7 @@ def check_size(part: Any, mesh: PlanarMesh) -> None:
     )
 
 
-def _area_and_width(mesh: PlanarMesh) -> tuple[float, float]:
+def _area_and_width(mesh: Mesh) -> tuple[float, float]:
     """A [m^2] and 2 A / P [m] of the corners of the elements."""
     corners = mesh.places[mesh.cells[:, : mesh.kind.corners]]
     arms = corners - corners[:, :1]

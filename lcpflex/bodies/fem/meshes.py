@@ -22,7 +22,7 @@ from lcpflex.basics import libs
 from lcpflex.basics.arguments import flag, numbers, positive
 from lcpflex.bodies.body import array_of, whole_number
 from lcpflex.bodies.fem.grading import ELEMENTS, Zone, named_again, refined_to
-from lcpflex.bodies.fem.planar_mesh import check_nodes
+from lcpflex.bodies.fem.mesh import check_nodes
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 

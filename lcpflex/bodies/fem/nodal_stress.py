@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from lcpflex.basics import libs
-from lcpflex.bodies.fem.assembly import Solid, gradients_at
+from lcpflex.bodies.fem.assembly import ElasticSolid, gradients_at
 from lcpflex.jit.kernel import FloatArray
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class NodalGradients(NamedTuple):
     hoop: csr_matrix[Any] | None  # (N, N) the field over the radius, about an axis of revolution
 
 
-def nodal_gradients(solid: Solid) -> NodalGradients:
+def nodal_gradients(solid: ElasticSolid) -> NodalGradients:
     """Of the mesh of ``solid``."""
     mesh = solid.mesh
     X = POINTS[mesh.kind.element]
@@ -67,7 +67,7 @@ def _terms(X: FloatArray, count: int) -> FloatArray:
     return np.stack([np.ones(X.shape[1]), X[0], X[1], X[0] * X[1]])[:count]
 
 
-def _averaged(solid: Solid, values: FloatArray) -> Any:
+def _averaged(solid: ElasticSolid, values: FloatArray) -> Any:
     """(N, N) from (elements, nodes a, nodes i): what the field at i does at a, the mean over the elements of a."""
     cells, count = solid.mesh.cells, len(solid.mesh.places)
     meet = np.bincount(cells.ravel(), minlength=count)
@@ -76,7 +76,7 @@ def _averaged(solid: Solid, values: FloatArray) -> Any:
     return libs.sparse.csr_matrix((share.ravel(), (rows.ravel(), columns.ravel())), shape=(count, count))
 
 
-def nodal_stress(solid: Solid, gradients: NodalGradients, displacements: FloatArray) -> FloatArray:
+def nodal_stress(solid: ElasticSolid, gradients: NodalGradients, displacements: FloatArray) -> FloatArray:
     """(4, N, k) sigma_xx, sigma_yy, sigma_xy and sigma_zz [Pa] of nodal displacements (N, 2, k) [m].
 
     sigma_zz: across the plane, 0 in plane stress; along the hoop of a solid of revolution.

@@ -84,4 +84,4 @@ def _named(mesh: FiniteElements, argument: str, name: str) -> IntArray:
 
 def rows_of(mesh: FiniteElements, nodes: IntArray) -> IntArray:
     """Rows of the matrices that belong to the nodes, ascending."""
-    return np.flatnonzero(np.isin(mesh.dofs // 2, nodes))
+    return np.flatnonzero(np.isin(mesh.node, nodes))

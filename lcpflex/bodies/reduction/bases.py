@@ -16,11 +16,11 @@ from lcpflex.bodies.reduction.damping import count_of_modes
 from lcpflex.bodies.reduction.eigenmodes import (
     EPS,
     FULL_LIMIT,
+    Elastic,
     FreeMesh,
     check_mass,
     check_memory,
     fixed_modes,
-    mesh_rank,
     orthonormal_frame,
     softest,
 )
@@ -37,21 +37,25 @@ __all__ = [
     "SHARE",
     "Basis",
     "Flexible",
+    "HeldMesh",
     "boundary_basis",
     "constraint_columns",
     "check_full",
     "elastic_count",
+    "enough_nodes",
     "free_basis",
+    "given_basis",
     "held_factor",
     "interface_basis",
+    "loaded_basis",
     "regional_basis",
     "regional_count",
     "residual_basis",
 ]
 
 
-class HasMatrices(Protocol):
-    """A mesh with its mass and stiffness."""
+class Flexible(Protocol):
+    """A mesh that is ready for static loads and modes: a :class:`FreeMesh`, or a :class:`HeldMesh`."""
 
     @property
     def mass(self) -> csc_matrix[Any]:
@@ -62,10 +66,6 @@ class HasMatrices(Protocol):
     def stiffness(self) -> csc_matrix[Any]:
         """(f, f)."""
         ...
-
-
-class Flexible(HasMatrices, Protocol):
-    """A mesh that is ready for static loads and modes: a :class:`FreeMesh`, or one that is held."""
 
     @property
     def frame(self) -> FloatArray:
@@ -81,13 +81,49 @@ class Flexible(HasMatrices, Protocol):
         ...
 
 
+class HeldMesh:
+    """A mesh some of whose rows are held, ready for static loads and modes; shapes are of all rows, zero there."""
+
+    def __init__(self, mesh: Elastic, held: IntArray) -> None:
+        check_mass(mesh.mass)
+        f = mesh.mass.shape[0]
+        self.mass, self.stiffness = mesh.mass, mesh.stiffness
+        self.frame: FloatArray = np.zeros((f, 0))
+        self._inner = np.setdiff1d(np.arange(f), held)
+        inner = self._inner
+        self._M: Any = mesh.mass[inner][:, inner].tocsc()
+        self._K: Any = mesh.stiffness[inner][:, inner].tocsc()
+        words = ("clamped: with its nodes held", enough_nodes(mesh))
+        self._factor: Factor = held_factor(self._M, self._K, mesh.rank[inner], words)
+
+    def modes(self, count: int) -> Basis:
+        """The lowest modes."""
+        omega2, found = fixed_modes(self._M, self._K, self._factor, count)
+        shapes = np.zeros((len(self.frame), count))
+        shapes[self._inner] = found
+        return omega2, shapes
+
+    def flexibility(self, loads: FloatArray) -> FloatArray:
+        """Static response to loads (f, k)."""
+        out = np.zeros_like(loads)
+        out[self._inner] = self._factor.solve(loads[self._inner])
+        return out
+
+
 NOISE = 1e-10  # part of a static response beyond the kept modes that is rounding
+GONE = 1e-9  # length of a column without its rigid motion, relative to before, below which nothing elastic is left
+LOOSE = 1e-9  # of what the rows that are held resist most: a rigid motion that they leave
 SHARE = 6  # columns in memory at a time, for each of the basis
 
 
-def elastic_count(mesh: FiniteElements) -> int:
-    """Number of elastic modes of the whole mesh."""
-    return len(mesh.dofs) - mesh.rigid.shape[1]
+def elastic_count(mesh: Elastic, clamped: IntArray | None = None) -> int:
+    """Number of elastic modes of the whole mesh, free or with some rows clamped."""
+    return int(mesh.mass.shape[0]) - (mesh.rigid.shape[1] if clamped is None else len(clamped))
+
+
+def enough_nodes(mesh: Elastic) -> str:
+    """In words, how many nodes hold a mesh."""
+    return "three that are not on one line" if mesh.rigid.shape[1] == 6 else "two, one of an axisymmetric mesh"
 
 
 def check_full(mesh: FiniteElements) -> None:
@@ -100,38 +136,88 @@ def check_full(mesh: FiniteElements) -> None:
         )
 
 
-def free_basis(free: FreeMesh, modes: int | None) -> Basis:
-    """Lowest free-free modes."""
+def free_basis(free: Flexible, modes: int | None) -> Basis:
+    """Lowest free modes."""
     return free.modes(count_of_modes(modes, len(free.frame) - free.frame.shape[1]))
 
 
-def boundary_basis(mesh: FiniteElements, boundary: IntArray, modes: int | None) -> Basis:
-    """Constraint modes of the boundary nodes and modes of the mesh held there."""
-    held = rows_of(mesh, boundary)
-    few = f"boundary: with its {len(boundary)} node(s) held"
-    basis = constraint_columns(mesh, mesh_rank(mesh), held, modes, (few, "two, one of an axisymmetric mesh"))
-    frame = orthonormal_frame(mesh.mass, mesh.rigid)
-    return own_basis(mesh.mass, mesh.stiffness, frame, basis, holds_rigid=True)
+def loaded_basis(mesh: Elastic, loads: FloatArray, modes: int | None, clamped: IntArray | None) -> tuple[Basis, int]:
+    """The lowest modes, and the static response of all others to loads (f, k); how many columns are modes."""
+    most = elastic_count(mesh, clamped)
+    n = count_of_modes(modes, most)
+    check_memory("interfaces, modes", mesh.mass.shape[0], SHARE * (loads.shape[1] + n))
+    free: Flexible = FreeMesh.of(mesh) if clamped is None else HeldMesh(mesh, clamped)
+    if not loads.shape[1] or n == most:
+        return free.modes(n), n
+    return interface_basis(free, loads, n), n
+
+
+def boundary_basis(
+    mesh: Elastic, boundary: IntArray, modes: int | None, clamped: IntArray | None = None, held: str = "nodes"
+) -> Basis:
+    """Constraint modes of the boundary rows, and modes of the mesh held there (Craig and Bampton 1968).
+
+    held: what is held there, in messages.
+    """
+    words = (f"boundary: with its {held} held", enough_nodes(mesh))
+    if clamped is None:
+        columns = constraint_columns(mesh, boundary, modes, words)
+        frame = orthonormal_frame(mesh.mass, mesh.rigid)
+        return own_basis(mesh.mass, mesh.stiffness, frame, columns, holds_rigid=True)
+    moving = np.setdiff1d(boundary, clamped)
+    if not len(moving):
+        raise ModelError("boundary: all of its nodes are clamped, too, expected some that move")
+    columns = constraint_columns(mesh, np.concatenate([moving, clamped]), modes, words, free=len(moving))
+    return own_basis(mesh.mass, mesh.stiffness, np.zeros((mesh.mass.shape[0], 0)), columns, holds_rigid=False)
+
+
+def given_basis(mesh: Elastic, basis: FloatArray, clamped: IntArray | None) -> Basis:
+    """What is elastic in the span of columns (f, k).
+
+    Raises
+    ------
+    ModelError
+        For columns that move what is clamped, and where nothing elastic is in them.
+    """
+    check_mass(mesh.mass)
+    if clamped is not None:
+        frame: FloatArray = np.zeros((len(basis), 0))
+        moved = float(np.abs(basis[clamped]).max(initial=0.0))
+        if moved > GONE * float(np.abs(basis).max(initial=0.0)):
+            raise ModelError(f"basis: it moves what is clamped (by {moved:.3g}), expected zeros at these nodes")
+        basis = basis.copy()
+        basis[clamped] = 0.0
+    else:
+        frame = orthonormal_frame(mesh.mass, mesh.rigid)
+    before = np.sqrt(np.einsum("fk,fk->k", basis, mesh.mass @ basis))
+    for _ in range(2):
+        basis = basis - frame @ (frame.T @ (mesh.mass @ basis))
+    after = np.sqrt(np.einsum("fk,fk->k", basis, mesh.mass @ basis))
+    kept = after > GONE * before
+    if not kept.any():
+        raise ModelError("basis: nothing elastic is in it, expected columns beyond rigid motions")
+    return own_basis(mesh.mass, mesh.stiffness, frame, basis[:, kept], holds_rigid=False)
 
 
 def constraint_columns(
-    mesh: HasMatrices, rank: IntArray, held: IntArray, modes: int | None, words: tuple[str, str], free: int = -1
+    mesh: Elastic, held: IntArray, modes: int | None, words: tuple[str, str], free: int = -1, *, loose: bool = False
 ) -> FloatArray:
     """(f, k + n) [constraint modes of the rows that are held | n lowest modes of the mesh held there].
 
     Parameters
     ----------
-    rank : (f,) in whose order the stiffness is factorised
     held : rows that are held
     modes : n; None for all
     words : of an error: what is held, and how many nodes it takes
     free : the first k rows of ``held`` may move, the others stay; -1: all may
+    loose : whether what is held may leave rigid motions, which are columns then, between the two kinds
 
     Raises
     ------
     ModelError
         Where what is held leaves some of the mesh loose, and for more modes than there are.
     """
+    rank = mesh.rank
     f = len(rank)
     moving = held if free < 0 else held[:free]
     inner = np.setdiff1d(np.arange(f), held)
@@ -141,6 +227,9 @@ def constraint_columns(
     basis = np.zeros((f, columns))
     basis[moving, np.arange(len(moving))] = 1.0
     check_mass(mesh.mass)
+    left = _left_loose(mesh.rigid, held) if loose else np.zeros((f, 0))
+    if left.shape[1]:
+        return _loose_columns(mesh, inner, moving, basis, left)
     if len(inner):
         stiffness = mesh.stiffness[inner][:, inner].tocsc()
         mass = mesh.mass[inner][:, inner].tocsc()
@@ -151,6 +240,27 @@ def constraint_columns(
             basis[inner, part] = -factor.solve(coupling[:, part].toarray())
         basis[inner, len(moving) :] = fixed_modes(mass, stiffness, factor, n)[1]
     return basis
+
+
+def _left_loose(rigid: FloatArray, held: IntArray) -> FloatArray:
+    """(f, z) rigid motions that do not move the rows that are held."""
+    scaled = rigid / np.abs(rigid).max(axis=0)
+    _, size, ways = np.linalg.svd(scaled[held], full_matrices=True)
+    found = int((size > LOOSE * size.max(initial=0.0)).sum())
+    return np.asarray(scaled @ ways[found:].T)
+
+
+def _loose_columns(mesh: Elastic, inner: IntArray, moving: IntArray, basis: FloatArray, left: FloatArray) -> FloatArray:
+    """The columns of a mesh that is held in part: the rigid motions ``left`` (f, z) stand before the modes."""
+    stiffness = mesh.stiffness[inner][:, inner].tocsc()
+    free = FreeMesh(mesh.mass[inner][:, inner].tocsc(), stiffness, left[inner], mesh.rank[inner])
+    coupling = mesh.stiffness[inner][:, moving]
+    k = len(moving)
+    for first in range(0, k, AT_ONCE):
+        part = slice(first, min(first + AT_ONCE, k))
+        basis[inner, part] = -free.flexibility(coupling[:, part].toarray())
+    basis[inner, k:] = free.modes(basis.shape[1] - k)[1]
+    return np.hstack([basis[:, :k], left, basis[:, k:]])
 
 
 def held_factor(mass: Any, stiffness: Any, rank: IntArray, words: tuple[str, str]) -> Factor:
@@ -234,5 +344,5 @@ def _regions(mesh: FiniteElements, region: IntArray) -> tuple[IntArray, IntArray
         raise ModelError(f"region: all {len(mesh.places)} nodes were given, expected a part of the mesh (or unreduced)")
     linked = abs(mesh.stiffness[rest][:, own]).sum(axis=0)
     touched = own[np.asarray(linked).ravel() > 0.0]
-    border = rows_of(mesh, np.unique(mesh.dofs[touched] // 2))
+    border = rows_of(mesh, np.unique(mesh.node[touched]))
     return own, border, np.setdiff1d(own, border)

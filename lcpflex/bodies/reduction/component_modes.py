@@ -5,10 +5,11 @@ Each reduction writes the displacements of the mesh as d = T z and makes the own
     T -> Phi,   Phi^T M Phi = 1,   Phi^T K Phi = diag(omega^2),   Phi^T M R = 0,   R: rigid motions
 
 So all rigid content is in the frame, that of Buckens (Tisserand), whatever the reduction; T with k independent columns
-that can move rigidly leaves k - r elastic coordinates, r = 3, or 1 of an axisymmetric mesh. All are Rayleigh-Ritz:
-frequencies are those of the full mesh or above them, mass and inertia are exact.
+that can move rigidly leaves k - r elastic coordinates, r = 3, in space 6, or 1 of an axisymmetric mesh. All are
+Rayleigh-Ritz: frequencies are those of the full mesh or above them, mass and inertia are exact.
 
-``model`` is anything with ``finite_elements()``: Matrices, Continuum, SolidOfRevolution. Nodes are chosen by the name
+``model`` is anything with ``finite_elements()``: Matrices, Continuum, SolidOfRevolution, which become a Body; Solid,
+SpatialMatrices, which become a SpatialBody and have no levels and no stiffening. Nodes are chosen by the name
 of a set, by several names, or by their numbers. The same input gives the same bits. Every body carries the levels of
 its mesh, :attr:`lcpflex.bodies.body.Body.fidelity_levels`, with the same damping and stiffening. The "boundary nodes"
 of it are those chosen here, or else the points and smaller named sets of the mesh, up to 150 nodes.
@@ -21,11 +22,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
 import numpy as np
 
-from lcpflex.bodies.body import Body
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.node_sets import Nodes, chosen_nodes, rows_of
 from lcpflex.bodies.reduction.again import Reduction, reduction_by
@@ -43,10 +43,12 @@ from lcpflex.bodies.reduction.bases import (
 from lcpflex.bodies.reduction.damping import Damping, count_of_modes, damped_modes
 from lcpflex.bodies.reduction.eigenmodes import FreeMesh, check_memory
 from lcpflex.bodies.reduction.interface import Interfaces
-from lcpflex.bodies.reduction.mesh_body import body_of
+from lcpflex.bodies.reduction.mesh_body import NO_RESIDUAL, body_of
 from lcpflex.bodies.reduction.mesh_interfaces import interface_loads, of_mesh
 from lcpflex.bodies.reduction.mesh_levels import Held, reduced
-from lcpflex.bodies.reduction.stiffening import Stiffening
+from lcpflex.bodies.reduction.model import Known, Made, Mesh
+from lcpflex.bodies.reduction.stiffening import Stiffening, prestressed
+from lcpflex.bodies.spatial.solid_reduction import reduce_solid, solid_body
 from lcpflex.errors import ModelError, shown
 
 __all__ = [
@@ -60,23 +62,15 @@ __all__ = [
 ]
 
 
-class Mesh(Protocol):
-    """What can be reduced: Matrices, Continuum, SolidOfRevolution."""
-
-    def finite_elements(self) -> FiniteElements:
-        """The matrices of the mesh and its named nodes."""
-        ...
-
-
 def free_interface(
-    model: Mesh,
+    model: Mesh[Made],
     modes: int | None = 8,
     damping: Damping | None = None,
     stiffening: Stiffening | None = None,
     *,
     interfaces: Interfaces = (),
     residual_damping: float | None = None,
-) -> Body:
+) -> Made:
     """The body with the lowest free-free modes of the mesh, and the static response of all others at interfaces.
 
         T = [Phi | G b - Phi Omega^-2 Phi^T b]
@@ -104,11 +98,15 @@ def free_interface(
         See the module.
     """
     mesh = _mesh_of(model)
+    if mesh.dimension == 3:
+        prestressed(mesh, stiffening)
+        solid: Any = reduce_solid(Known(mesh), modes, damping, interfaces=interfaces, residual_damping=residual_damping)
+        return solid
     most = elastic_count(mesh)
     n = damped_modes(modes, most, None, residual_damping)
     places = of_mesh(interfaces)
     again = reduction_by(
-        partial(free_interface, _Known(mesh)), n, most, damping, stiffening=stiffening, interfaces=places,
+        partial(free_interface, Known(mesh)), n, most, damping, stiffening=stiffening, interfaces=places,
         residual_damping=residual_damping,
     )  # fmt: skip
     if not places or n == most:
@@ -123,13 +121,13 @@ def free_interface(
 
 
 def craig_bampton(
-    model: Mesh,
+    model: Mesh[Made],
     boundary: Nodes,
     modes: int | None = 20,
     *,
     damping: Damping | None = None,
     stiffening: Stiffening | None = None,
-) -> Body:
+) -> Made:
     """The body with all displacements of its boundary nodes, and modes of the mesh held there.
 
         T = [constraint modes | fixed-interface modes] = [[1, 0], [-K_ii^-1 K_ib, Phi_i]]
@@ -152,19 +150,23 @@ def craig_bampton(
     mesh = _mesh_of(model)
     nodes = chosen_nodes(mesh, "boundary", boundary)
     most = len(mesh.dofs) - len(rows_of(mesh, nodes))
-    again = _reduction(partial(craig_bampton, _Known(mesh), boundary), modes, most, damping, stiffening)
-    return reduced(mesh, lambda mesh: boundary_basis(mesh, nodes, modes), damping, stiffening, again, nodes)
+    again = _reduction(partial(craig_bampton, Known(mesh), boundary), modes, most, damping, stiffening)
+    held = f"{len(nodes)} node(s)"
+    return reduced(
+        mesh, lambda mesh: boundary_basis(mesh, rows_of(mesh, nodes), modes, held=held), damping, stiffening, again,
+        nodes,
+    )  # fmt: skip
 
 
 def sub_regional(
-    model: Mesh,
+    model: Mesh[Made],
     region: Nodes,
     modes: int | None = 20,
     *,
     interface_modes: bool = True,
     damping: Damping | None = None,
     stiffening: Stiffening | None = None,
-) -> Body:
+) -> Made:
     """The body with the displacements of the nodes in a region, and modes of the rest (Shi, Hong & Liu 2013).
 
     The nodes of the region that are linked to the rest are the interface I, the others are a, and the rest and I
@@ -197,7 +199,7 @@ def sub_regional(
     mesh = _mesh_of(model)
     nodes = chosen_nodes(mesh, "region", region)
     again = _reduction(
-        partial(sub_regional, _Known(mesh), region, interface_modes=interface_modes), modes,
+        partial(sub_regional, Known(mesh), region, interface_modes=interface_modes), modes,
         regional_count(mesh, nodes), damping, stiffening,
     )  # fmt: skip
     return reduced(
@@ -206,13 +208,13 @@ def sub_regional(
 
 
 def residual_compliance(
-    model: Mesh,
+    model: Mesh[Made],
     contact: Nodes,
     modes: int | None = 20,
     *,
     damping: Damping | None = None,
     stiffening: Stiffening | None = None,
-) -> Body:
+) -> Made:
     """The body with its lowest free-free modes and the static response of all others at contact nodes (MacNeal, Rubin).
 
         T = [Phi | G b - Phi Omega^-2 Phi^T b],   G = P^T K_c^-1 P, the flexibility on self-equilibrated loads
@@ -239,14 +241,14 @@ def residual_compliance(
     rows = rows_of(mesh, nodes)
     n = count_of_modes(modes, elastic_count(mesh))
     check_memory("contact, modes", len(mesh.dofs), SHARE * (len(rows) + n))
-    again = _reduction(partial(residual_compliance, _Known(mesh), contact), n, elastic_count(mesh), damping, stiffening)
+    again = _reduction(partial(residual_compliance, Known(mesh), contact), n, elastic_count(mesh), damping, stiffening)
     return reduced(
         mesh, lambda mesh: residual_basis(FreeMesh.of(mesh), rows, n), damping, stiffening, again, nodes,
         residual_from=n,
     )  # fmt: skip
 
 
-def unreduced(model: Mesh, *, damping: Damping | None = None, stiffening: Stiffening | None = None) -> Body:
+def unreduced(model: Mesh[Made], *, damping: Damping | None = None, stiffening: Stiffening | None = None) -> Made:
     """The body with all modes of the mesh, the motion of all its nodes: a reference for reductions.
 
     Parameters
@@ -262,33 +264,30 @@ def unreduced(model: Mesh, *, damping: Damping | None = None, stiffening: Stiffe
     mesh = _mesh_of(model)
     check_full(mesh)
     most = elastic_count(mesh)
-    again = _reduction(partial(free_interface, _Known(mesh)), most, most, damping, stiffening)
+    again = _reduction(partial(free_interface, Known(mesh)), most, most, damping, stiffening)
     return reduced(mesh, lambda mesh: free_basis(FreeMesh.of(mesh), None), damping, stiffening, again, columns=most)
 
 
-def undeformed(model: Mesh) -> Body:
+def undeformed(model: Mesh[Made]) -> Made:
     """The rigid body of a mesh, with its points and surfaces; no factor of the stiffness is made for it."""
     mesh = _mesh_of(model)
-    return body_of(mesh, np.zeros(0), np.zeros((len(mesh.dofs), 0)), None)
-
-
-class _Known(NamedTuple):
-    """What a body keeps of a model: its mesh, without the functions of the user that chose sets of nodes."""
-
-    mesh: FiniteElements
-
-    def finite_elements(self) -> FiniteElements:
-        return self.mesh
+    basis = np.zeros(0), np.zeros((len(mesh.dofs), 0))
+    made: Any
+    if mesh.dimension == 3:
+        made = solid_body(mesh, basis, None, NO_RESIDUAL, None)
+    else:
+        made = body_of(mesh, *basis, None)
+    return made
 
 
 def _reduction(
-    reduce: Callable[..., Body], modes: Any, most: int, damping: Damping | None, stiffening: Stiffening | None
-) -> Reduction[Body]:
+    reduce: Callable[..., Any], modes: Any, most: int, damping: Damping | None, stiffening: Stiffening | None
+) -> Reduction[Any]:
     """Of a body that ``reduce`` makes; ``modes`` None: all of them."""
     return reduction_by(reduce, most if modes is None else modes, most, damping, stiffening=stiffening)
 
 
-def _mesh_of(model: Mesh) -> FiniteElements:
+def _mesh_of(model: Mesh[Any]) -> FiniteElements:
     if isinstance(model, type) or not hasattr(model, "finite_elements"):
         given = repr(model) if isinstance(model, type) else type(model).__name__
         raise ModelError(f"model: {given} was given, expected a mesh: Matrices(...), Continuum(...), ...")

@@ -11,15 +11,14 @@ elastic modes first, without a shift, from one sparse factor that serves static 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics import libs
 from lcpflex.basics.blas import one_thread
-from lcpflex.bodies.fem.finite_elements import FiniteElements
-from lcpflex.bodies.fem.sparse_factor import AT_ONCE, Factor, NotPositive, dissection, links, positive_factor
+from lcpflex.bodies.fem.sparse_factor import AT_ONCE, Factor, NotPositive, positive_factor
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 
@@ -30,6 +29,7 @@ BoolArray: TypeAlias = npt.NDArray[np.bool_]
 
 __all__ = [
     "FULL_LIMIT",
+    "Elastic",
     "FreeMesh",
     "check_mass",
     "check_memory",
@@ -38,9 +38,7 @@ __all__ = [
     "grams",
     "held_up",
     "judge",
-    "mesh_rank",
     "orthonormal_frame",
-    "rank_of",
     "ritz",
     "softest",
 ]
@@ -50,6 +48,30 @@ FULL_LIMIT = 6000  # degrees of freedom beyond which the full eigenproblem is re
 MEMORY = 4 * 2**30  # bytes that full matrices of a reduction may take
 RESTARTS = 500  # of Lanczos iterations, which take about ten
 EPS = float(np.finfo(np.float64).eps)
+
+
+class Elastic(Protocol):
+    """A mesh with f degrees of freedom, as reductions see it."""
+
+    @property
+    def mass(self) -> csc_matrix[Any]:
+        """(f, f)."""
+        ...
+
+    @property
+    def stiffness(self) -> csc_matrix[Any]:
+        """(f, f)."""
+        ...
+
+    @property
+    def rigid(self) -> FloatArray:
+        """(f, r) rigid motions."""
+        ...
+
+    @property
+    def rank(self) -> IntArray:
+        """(f,) order of elimination."""
+        ...
 
 
 class FreeMesh:
@@ -84,9 +106,9 @@ class FreeMesh:
         self._factor, self._free = self._held(mass, rigid, rank)
 
     @classmethod
-    def of(cls, mesh: FiniteElements, massless: BoolArray | None = None) -> FreeMesh:
+    def of(cls, mesh: Elastic, massless: BoolArray | None = None) -> FreeMesh:
         """That of a mesh, which must be one piece."""
-        return cls(mesh.mass, mesh.stiffness, mesh.rigid, mesh_rank(mesh), massless)
+        return cls(mesh.mass, mesh.stiffness, mesh.rigid, mesh.rank, massless)
 
     def flexibility(self, loads: FloatArray) -> FloatArray:
         """G f of loads (f,) or (f, k)."""
@@ -310,32 +332,6 @@ def orthonormal_frame(mass: csc_matrix[Any], rigid: FloatArray) -> FloatArray:
     except np.linalg.LinAlgError:
         raise ModelError("mass: its rigid-body part is not positive definite, expected a mass > 0") from None
     return np.asarray(np.linalg.solve(lower, (rigid / scale).T).T)
-
-
-def mesh_rank(mesh: FiniteElements) -> IntArray:
-    """(f,) order of elimination; refuses a mesh in pieces."""
-    return rank_of(mesh.stiffness, mesh.places, mesh.dofs // 2, mesh.dofs % 2)
-
-
-def rank_of(stiffness: csc_matrix[Any], places: FloatArray, node: IntArray, part: IntArray) -> IntArray:
-    """(f,) order of elimination of degrees of freedom, each the ``part`` of a ``node`` at its place (N, 2) or (N, 3).
-
-    Raises
-    ------
-    ModelError
-        For a mesh in pieces, naming their number and their sizes.
-    """
-    graph = links(stiffness, node, len(places))
-    pieces, label = libs.csgraph.connected_components(graph, directed=False)
-    if pieces > 1:
-        sizes = sorted(np.bincount(label).tolist(), reverse=True)
-        shown = ", ".join(str(size) for size in sizes[:5]) + (", ..." if pieces > 5 else "")
-        raise ModelError(
-            f"stiffness: the mesh falls into {pieces} pieces of {shown} nodes, expected one piece without mechanisms "
-            "or loose parts (join nodes that lie at one place, drop nodes without elements)"
-        )
-    rank = dissection(places, graph)
-    return np.asarray((part.max(initial=0) + 1) * rank[node] + part)
 
 
 def _supports(rigid: FloatArray) -> IntArray:

@@ -69,7 +69,7 @@ def _add_forces(
     stretch: set[float],
     bend: set[tuple[float, float, float]],
     place: tuple[float, float],
-    along: tuple[float, float] | None,
+    along: tuple[float, ...] | None,
     least: float,
 ) -> None:
     """Forces at a place of the line, in one direction or in all; levers below ``least`` [m] are none."""

@@ -20,8 +20,8 @@ import numpy as np
 
 from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline
 from lcpflex.bodies.fem.finite_elements import FiniteElements
+from lcpflex.bodies.fem.mesh import KINDS
 from lcpflex.bodies.fem.nodal_material import material_at_nodes, material_weights
-from lcpflex.bodies.fem.planar_mesh import KINDS
 from lcpflex.bodies.reduction.damping import Damping, sampled, signed, skew, vanish, with_residual
 from lcpflex.bodies.reduction.stiffening import Stiffening, stiffened_by_spin
 from lcpflex.errors import ModelError, shown

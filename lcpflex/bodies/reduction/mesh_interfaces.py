@@ -52,7 +52,8 @@ def _places(mesh: FiniteElements, name: str, interface: Interface) -> list[Nodes
     """The nodes of an interface, one by one, or the material between nodes."""
     place = interface.place
     if isinstance(place, tuple):
-        return [nodes_at(mesh, name, place)]
+        x, y = place
+        return [nodes_at(mesh, name, (x, y))]
     if isinstance(place, float):
         raise ModelError(f"{name}: {shown(place)} was given, expected a name, a place (x, y) or the number of a node")
     return [(np.array([node]), np.ones(1)) for node in chosen_nodes(mesh, name, place)]

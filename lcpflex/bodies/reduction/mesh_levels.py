@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from lcpflex.bodies.reduction.fidelity_levels import counted
 from lcpflex.bodies.reduction.mesh_body import NO_RESIDUAL, Residual, body_of
 from lcpflex.bodies.reduction.mesh_interfaces import MeshStatics
 from lcpflex.bodies.reduction.stiffening import Stiffening, prestressed
+from lcpflex.bodies.spatial.solid_reduction import solid_body
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 
@@ -37,13 +38,13 @@ def reduced(
     basis: Callable[[FiniteElements], Basis],
     damping: Damping | None,
     stiffening: Stiffening | None,
-    reduction: Reduction[Body],
+    reduction: Reduction[Any],
     nodes: IntArray | None = None,
     columns: int | None = None,
     held: Held | None = None,
     residual_from: int | None = None,
-) -> Body:
-    """The body of a mesh in the basis that is made of it, with its levels.
+) -> Any:
+    """The body of a mesh in the basis that is made of it, with its levels; in space a SpatialBody, which has none.
 
     Parameters
     ----------
@@ -59,9 +60,11 @@ def reduced(
         check_damping(damping, columns)
     stiffened = prestressed(mesh, stiffening)
     omega2, shapes = basis(stiffened)
-    warn_if_too_stiff(mesh, shapes)
     behind = 0 if residual_from is None else len(omega2) - residual_from
     residual = Residual(behind, behind) if held is None else held.residual(len(omega2) - (columns or 0))
+    if mesh.dimension == 3:
+        return solid_body(mesh, (omega2, shapes), damping, residual, reduction)
+    warn_if_too_stiff(mesh, shapes)
     body = body_of(stiffened, omega2, shapes, damping, stiffening, residual)
     return replace(
         body,

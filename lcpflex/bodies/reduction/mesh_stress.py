@@ -17,12 +17,12 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.bodies.fem.assembly import Solid
+from lcpflex.bodies.fem.assembly import ElasticSolid
 from lcpflex.bodies.fem.elastic_mesh import bare_elements
 from lcpflex.bodies.fem.finite_elements import FiniteElements
+from lcpflex.bodies.fem.mesh import KINDS, Mesh
 from lcpflex.bodies.fem.nodal_material import displacement_rows, material_weights, neighbours
 from lcpflex.bodies.fem.nodal_stress import NodalGradients, nodal_gradients, nodal_stress
-from lcpflex.bodies.fem.planar_mesh import KINDS, PlanarMesh
 from lcpflex.bodies.reduction.eigenmodes import FreeMesh
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.recovery import MeshShapes
@@ -39,8 +39,8 @@ class MeshStress:
     def __init__(self, shapes: MeshShapes, kept: Any) -> None:
         self.shapes = shapes
         self.phi = np.asarray(shapes.phi[:, :, kept])
-        mesh = PlanarMesh(KINDS[shapes.kind], shapes.places, shapes.cells)
-        self.solid = Solid(mesh, shapes.density, shapes.lame, shapes.thickness, shapes.plane_stress)
+        mesh = Mesh(KINDS[shapes.kind], shapes.places, shapes.cells)
+        self.solid = ElasticSolid(mesh, shapes.density, shapes.lame, shapes.thickness, shapes.plane_stress)
         self._known: dict[tuple[float, float], FloatArray] = {}
 
     @cached_property

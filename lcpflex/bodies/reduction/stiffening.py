@@ -43,7 +43,7 @@ from lcpflex.bodies.body import array_of
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.nodal_material import Nodes, nodes_at
 from lcpflex.bodies.fem.sparse_factor import NotPositive
-from lcpflex.bodies.reduction.eigenmodes import FreeMesh, held_up, mesh_rank
+from lcpflex.bodies.reduction.eigenmodes import FreeMesh, held_up
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray
 
@@ -144,7 +144,7 @@ def prestressed(mesh: FiniteElements, stiffening: Stiffening | None) -> FiniteEl
     whole = (mesh.stiffness + added).tocsc()
     stiffness = (0.5 * (whole + whole.T)).tocsc()
     try:
-        held_up(stiffness, mesh.rigid, mesh_rank(mesh))
+        held_up(stiffness, mesh.rigid, mesh.rank)
     except NotPositive:
         raise ModelError(
             f"axial_force: {shown(force)} was given, expected less compression: the body buckles under it"

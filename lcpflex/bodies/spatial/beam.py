@@ -16,10 +16,9 @@ from lcpflex.bodies.body import Resolution
 from lcpflex.bodies.fem.material import check_material
 from lcpflex.bodies.line_body import check_positive
 from lcpflex.bodies.reduction.again import reduction_by
-from lcpflex.bodies.reduction.bases import Basis
+from lcpflex.bodies.reduction.bases import Basis, elastic_count, loaded_basis
 from lcpflex.bodies.reduction.damping import Damping, damped_modes
 from lcpflex.bodies.reduction.mesh_body import Residual
-from lcpflex.bodies.spatial.bases import elastic_count, free_basis
 from lcpflex.bodies.spatial.beam_elements import (
     DOFS,
     BeamMesh,
@@ -159,7 +158,7 @@ class SpatialBeam:
         n = damped_modes(modes, most, damping, residual_damping)
         places = [_place(self, one) for one in _listed(interfaces)]
         loads = load_columns([(_operator(line, *place), True) for place in places], len(mesh.rank))
-        found, n = free_basis(mesh, loads, n, held)
+        found, n = loaded_basis(mesh, loads, n, held)
         residual = Residual(len(found[0]) - n, 0, residual_damping)
         return flexible_body(
             mesh, _by_strain(self._strains(line), found), damping, residual, second_order, clamped=held is not None,

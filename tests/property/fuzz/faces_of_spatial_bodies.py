@@ -6,6 +6,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+import skfem
 
 import lcpflex as lf
 from tests.property.fuzz.face import Face
@@ -45,6 +46,12 @@ def _solid() -> dict[str, Any]:
     return block((0.3, 0.2, 0.1), (1, 1, 1), "hex1")
 
 
+def _meshed() -> dict[str, Any]:
+    """Two hexahedra."""
+    mesh = skfem.MeshHex.init_tensor(*(np.array(line) for line in ([0.0, 0.15, 0.3], [0.0, 0.2], [0.0, 0.1])))
+    return {"mesh": mesh, "density": 7800.0, "youngs_modulus": 2e11, "poissons_ratio": 0.3}
+
+
 @cache
 def _flexible() -> lf.SpatialBody:
     return lf.SpatialMatrices(**_solid()).reduce(2)
@@ -79,4 +86,6 @@ def spatial_bodies_faces() -> list[Face]:
             lambda: {"modes": 2},
             lambda: lf.SpatialMatrices(**_solid()),
         ),
+        Face("Solid", lf.Solid, _meshed),
+        Face("Solid.reduce", lf.Solid.reduce, lambda: {"modes": 2}, lambda: lf.Solid(**_meshed())),
     ]

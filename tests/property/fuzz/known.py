@@ -61,6 +61,7 @@ TAKEN: dict[tuple[str, str], set[str]] = {
     ("SolidOfRevolution", "sets"): {"dict"},
     ("Matrices", "node_sets"): {"dict"},
     ("SpatialMatrices", "node_sets"): {"dict"},
+    ("Solid", "sets"): {"dict"},
     ("matrices_from_files", "node_sets"): {"dict"},
     ("Force", "P"): {"strange point"},  # the scene is known when it is loaded with the force
     ("Force in space", "value"): {"three"},

@@ -221,7 +221,7 @@ def test_a_given_basis_is_taken_without_its_rigid_motions():
 
 def test_points_turn_as_rigid_bodies_and_fields_do():
     places, names = made()["coordinates"], sets()
-    points = NodePoints(places, made()["stiffness"])
+    points = NodePoints(lf.SpatialMatrices(**made()).finite_elements())
     t, w = np.array([0.3, -0.2, 0.5]), np.array([0.1, 0.7, -0.4])
     rigid = (t + np.cross(w, places)).ravel()
     strain = np.array([[1.0, 0.3, 0.2], [0.3, -0.5, 0.7], [0.2, 0.7, 2.0]])
@@ -300,7 +300,7 @@ def of(name, row, column, value):
         (lambda: changed(damping=np.eye(3)), "damping: an array of shape"),
         (lambda: solid().reduce(10**4), "modes: 10000 was given"),
         (lambda: solid().reduce(deformation="large"), "deformation: 'large' was given, expected 'linear'"),
-        (lambda: solid().reduce(interfaces=["middle"]), "interfaces: 'middle' was given, expected one of"),
+        (lambda: solid().reduce(interfaces=["middle"]), r"interfaces\[0\]: 'middle' was given, expected one of"),
         (lambda: solid().reduce(clamped="edge"), "clamped: with its nodes held, the rest of the mesh can still move"),
         (lambda: solid().reduce(boundary="corner"), "boundary: with its nodes held, the rest of the mesh can still"),
         (lambda: solid().reduce(boundary="left", clamped="left"), "boundary: all of its nodes are clamped"),

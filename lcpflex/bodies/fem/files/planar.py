@@ -10,17 +10,18 @@ import numpy as np
 from lcpflex.basics import libs
 from lcpflex.bodies.fem.files.found import FoundMesh
 from lcpflex.bodies.fem.files.reading import read_found
-from lcpflex.bodies.fem.planar_mesh import FLAT, KINDS, PlanarMesh
+from lcpflex.bodies.fem.mesh import FLAT, KINDS, Mesh
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["read_mesh"]
 
+PLANAR = {name: kind for name, kind in KINDS.items() if kind.dimension == 2}
 LINES = ("vertex", "line", "line3")  # what a planar mesh may hold besides: it names points and edges
 
 
 def read_mesh(path: str | os.PathLike[str]) -> Any:
-    """The planar mesh in a file: a :class:`PlanarMesh`, or the mesh of scikit-fem that was stored there.
+    """The planar mesh in a file: a :class:`Mesh`, or the mesh of scikit-fem that was stored there.
 
     Nodes keep the order of the file, from 0. Groups of the file keep their names: physical groups of Gmsh, node and
     element sets of Abaqus, and what scikit-fem stores with its meshes.
@@ -38,12 +39,12 @@ def read_mesh(path: str | os.PathLike[str]) -> Any:
         return _stored_by_scikit_fem(found, kind, places, cells)
     # A name of points or edges stands for them, whatever else it may name.
     groups = {name: group.nodes for name, group in found.groups.items()}
-    return PlanarMesh(KINDS[kind], places, cells, groups, found.source)
+    return Mesh(PLANAR[kind], places, cells, groups, found.source)
 
 
 def _stored_by_scikit_fem(found: FoundMesh, kind: str, places: FloatArray, cells: IntArray) -> Any:
     """Its names stand for elements, "skfem:s:name" with 1 for each of them, or facets: bit k of "skfem:b:name"."""
-    make = getattr(libs.skfem, KINDS[kind].mesh)
+    make = getattr(libs.skfem, PLANAR[kind].mesh)
     p, t = np.ascontiguousarray(places.T), np.ascontiguousarray(cells.T)
     try:
         bare = make(p, t, validate=False)
@@ -69,14 +70,14 @@ def _stored_by_scikit_fem(found: FoundMesh, kind: str, places: FloatArray, cells
 def _only_kind(found: FoundMesh) -> str:
     """The one kind of planar elements."""
     kinds = sorted(set(found.counts()) - set(LINES))
-    if len(kinds) == 1 and kinds[0] in KINDS:
+    if len(kinds) == 1 and kinds[0] in PLANAR:
         return kinds[0]
     hint = ""
     if "quad8" in kinds:
         hint = "; quadrilaterals of second order have nine nodes here (Gmsh: Mesh.SecondOrderIncomplete = 0)"
     raise ModelError(
         f"{found.source}: elements {', '.join(kinds) or '(none)'} were found, expected one kind of "
-        f"{', '.join(KINDS)}{hint}"
+        f"{', '.join(PLANAR)}{hint}"
     )
 
 

@@ -1,0 +1,161 @@
+"""The surface of a mesh in space: its boundary facets, and named parts of it.
+
+Facets are those of the elements that only one of them has, their nodes in the order of :attr:`Kind.facets`, counter-
+clockwise seen from outside.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from lcpflex.basics import libs
+from lcpflex.bodies.fem.facets import outer_facets
+from lcpflex.bodies.fem.mesh import FLAT, Mesh, told_place
+from lcpflex.bodies.fem.user_sets import user_sets
+from lcpflex.errors import ModelError, ModelWarning
+from lcpflex.jit.kernel import FloatArray, IntArray
+
+__all__ = ["SURFACE", "Faces", "areas_of", "faces_of", "flat_facets", "split_facets"]
+
+SURFACE = "surface"  # the name of all of it
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Faces:
+    """The surface of a mesh and its names.
+
+    Attributes
+    ----------
+    facets : (F, k) nodes of all facets
+    named : rows of the facets of each named part
+    sets : named nodes
+    points : named single nodes
+    """
+
+    facets: IntArray
+    named: dict[str, IntArray] = field(default_factory=dict)
+    sets: dict[str, IntArray] = field(default_factory=dict)
+    points: dict[str, int] = field(default_factory=dict)
+
+
+def faces_of(mesh: Mesh, sets: Mapping[str, Any]) -> Faces:
+    """The surface of a mesh with every name: "surface", the groups that the mesh came with, and the user's sets.
+
+    Nodes that are those of some facets are a face, too; one node is a point and a set; other nodes (inside, on a line)
+    are a set alone.
+
+    Raises
+    ------
+    ModelError
+        As :func:`outer_facets` and :func:`user_sets`; and for a face of the mesh that is not on its surface.
+
+    Warns
+    -----
+    ModelWarning
+        Where nodes of the surface coincide and are not merged.
+    """
+    facets = outer_facets(mesh)
+    _tell_unmerged(mesh, np.unique(facets))
+    found = Faces(facets, {SURFACE: np.arange(len(facets))}, {SURFACE: np.unique(facets)})
+    given = user_sets(mesh, sets, {SURFACE})
+    for name, corners in mesh.faces.items():
+        if name in given or name == SURFACE:
+            continue
+        rows = _rows_of(mesh, facets, name, corners)
+        found.named[name], found.sets[name] = rows, np.unique(facets[rows])
+    for name, nodes in {**mesh.groups, **given}.items():
+        if name == SURFACE or name in found.sets:
+            continue
+        found.sets[name] = np.asarray(nodes)
+        if len(nodes) == 1:
+            found.points[name] = int(nodes[0])
+            continue
+        inside = np.flatnonzero(np.isin(facets, nodes).all(axis=1))
+        if len(inside) and len(np.unique(facets[inside])) == len(nodes):
+            found.named[name] = inside
+    return found
+
+
+def _rows_of(mesh: Mesh, facets: IntArray, name: str, corners: IntArray) -> IntArray:
+    """Which facets have the corners (k, 3 or 4)."""
+    wide = mesh.kind.facet_corners
+    if corners.ndim != 2 or corners.shape[1] != wide:
+        words = {3: "triangles", 4: "quadrilaterals"}
+        raise ModelError(
+            f"{mesh.source}: the facets of {name!r} are {words.get(corners.shape[-1], 'of another kind')}, expected "
+            f"{words[wide]}, as elements {mesh.kind.name} have"
+        )
+    every = np.sort(np.concatenate([facets[:, :wide], corners]), axis=1)
+    _, number = np.unique(every, axis=0, return_inverse=True)
+    own, wanted = np.split(number.ravel(), [len(facets)])
+    rows = np.full(int(number.max()) + 1, -1)
+    rows[own] = np.arange(len(facets))
+    inside = np.flatnonzero(rows[wanted] < 0)
+    if len(inside):
+        place = mesh.places[corners[inside[0]]].mean(axis=0)
+        raise ModelError(
+            f"{mesh.source}: {len(inside)} facet(s) of {name!r} are no faces of the surface (the first at "
+            f"{told_place(place)}), expected faces that one element has"
+        )
+    return np.unique(rows[wanted])
+
+
+def _tell_unmerged(mesh: Mesh, nodes: IntArray) -> None:
+    """Warn of nodes of the surface at one place: the elements are not joined there."""
+    size = mesh.size
+    tree = libs.cKDTree(mesh.places[nodes])
+    pairs = tree.query_pairs(FLAT * size, output_type="ndarray")
+    if not len(pairs):
+        return
+    a, b = nodes[pairs[0]]
+    warnings.warn(
+        f"{mesh.source}: {len(pairs)} pair(s) of nodes of its surface coincide and are not merged ({a} and {b} at "
+        f"{told_place(mesh.places[a])}): the body is cut there. Merge them, unless it is a crack",
+        ModelWarning,
+        stacklevel=_LEVEL,
+    )
+
+
+_LEVEL = 6  # of the caller of the body
+
+
+def split_facets(facets: IntArray) -> IntArray:
+    """(S, 3) linear triangles or (S, 4) quadrilaterals on the nodes of facets: four of each quadratic one.
+
+    Facets of eight nodes have no middle, and are split into six triangles.
+    """
+    parts = _PARTS[facets.shape[1]]
+    return np.asarray(facets[:, parts].reshape(-1, parts.shape[1]))
+
+
+def flat_facets(facets: IntArray) -> IntArray:
+    """(T, 3) plane triangles on the nodes of facets, counter-clockwise seen from outside: for pictures."""
+    split = split_facets(facets)
+    if split.shape[1] == 3:
+        return split
+    return np.asarray(split[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3))
+
+
+_PARTS = {  # by the number of nodes of a facet
+    3: np.array([[0, 1, 2]]),
+    4: np.array([[0, 1, 2, 3]]),
+    6: np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]),
+    8: np.array([[0, 4, 7], [4, 1, 5], [5, 2, 6], [6, 3, 7], [4, 5, 6], [4, 6, 7]]),
+    9: np.array([[0, 4, 8, 7], [4, 1, 5, 8], [8, 5, 2, 6], [7, 8, 6, 3]]),
+}
+
+
+def areas_of(places: FloatArray, parts: IntArray) -> FloatArray:
+    """(S,) areas of triangles, or of quadrilaterals as two of them [m^2]."""
+    corners = places[parts]
+    first = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = 0.5 * np.linalg.norm(first, axis=1)
+    if parts.shape[1] == 4:
+        second = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 0])
+        area += 0.5 * np.linalg.norm(second, axis=1)
+    return np.asarray(area)
