@@ -36,7 +36,8 @@ class Solid:
     that they bend), 20 or 27. Mass is consistent and exact, curved elements included. All nodes are degrees of freedom.
     The body frame of a mesh is moved to the mass centre when the body is reduced; places are those of the mesh here.
 
-    :meth:`box`, :meth:`bar`, :meth:`cylinder`, :meth:`tube` and :meth:`ball` make the mesh, of hexahedra of eight nodes.
+    :meth:`box`, :meth:`bar`, :meth:`cylinder`, :meth:`tube` and :meth:`ball` make the mesh as well, of hexahedra of
+    eight nodes.
 
     The surface is named "surface". Groups that the mesh came with keep their names, as sets of nodes and, where they
     are faces of the surface, as faces.

@@ -24,6 +24,7 @@ BEAM: dict[str, Any] = {
     "poissons_ratio": 0.3,
     "elements": 4,
 }
+MATERIAL = {"density": 7800.0, "youngs_modulus": 2e11, "poissons_ratio": 0.3}
 CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
 
 
@@ -49,7 +50,7 @@ def _solid() -> dict[str, Any]:
 def _meshed() -> dict[str, Any]:
     """Two hexahedra."""
     mesh = skfem.MeshHex.init_tensor(*(np.array(line) for line in ([0.0, 0.15, 0.3], [0.0, 0.2], [0.0, 0.1])))
-    return {"mesh": mesh, "density": 7800.0, "youngs_modulus": 2e11, "poissons_ratio": 0.3}
+    return {"mesh": mesh, **MATERIAL}
 
 
 @cache
@@ -87,5 +88,10 @@ def spatial_bodies_faces() -> list[Face]:
             lambda: lf.SpatialMatrices(**_solid()),
         ),
         Face("Solid", lf.Solid, _meshed),
+        Face("Solid.box", lf.Solid.box, lambda: {"sizes": (0.3, 0.2, 0.1), "elements": (2, 1, 1), **MATERIAL}),
+        Face("Solid.bar", lf.Solid.bar, lambda: {"length": 0.3, "height": 0.2, "width": 0.1, "size": 0.2, **MATERIAL}),
+        Face("Solid.cylinder", lf.Solid.cylinder, lambda: {"radius": 0.1, "length": 0.3, "size": 0.2, **MATERIAL}),
+        Face("Solid.tube", lf.Solid.tube, lambda: {"inner": 0.1, "outer": 0.2, "length": 0.3, "size": 0.2, **MATERIAL}),
+        Face("Solid.ball", lf.Solid.ball, lambda: {"radius": 0.1, "size": 0.2, **MATERIAL}),
         Face("Solid.reduce", lf.Solid.reduce, lambda: {"modes": 2}, lambda: lf.Solid(**_meshed())),
     ]
