@@ -15,6 +15,7 @@ from lcpflex.bodies.fem.assembly import ElasticSolid, lame_constants
 from lcpflex.bodies.fem.checked_mesh import spatial_mesh
 from lcpflex.bodies.fem.elastic_mesh import finite_elements_of
 from lcpflex.bodies.fem.finite_elements import FiniteElements
+from lcpflex.bodies.fem.hex_mesh import HexMesh
 from lcpflex.bodies.fem.length_unit import metres
 from lcpflex.bodies.fem.material import check_material
 from lcpflex.bodies.fem.mesh import KINDS, Mesh
@@ -160,7 +161,7 @@ class Solid:
         return cls._shaped(shapes.ball(radius, size, near=near), material)
 
     @classmethod
-    def _shaped(cls, mesh: shapes.HexMesh, material: dict[str, Any]) -> Solid:
+    def _shaped(cls, mesh: HexMesh, material: dict[str, Any]) -> Solid:
         """Of a mesh that was made here."""
         for name in ("mesh", "length_unit"):
             if name in material:
