@@ -130,7 +130,7 @@ class Solid:
     ) -> Solid:
         """A slender block along the x axis: 0 <= x <= length, |y| <= height / 2, |z| <= width / 2.
 
-        Faces and other parameters are those of :meth:`box`.
+        length, height, width : [m]. Faces, size, near, elements and material : those of :meth:`box`.
         """
         return cls._shaped(shapes.bar(length, height, width, size, near=near, elements=elements), material)
 
