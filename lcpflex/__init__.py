@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.spatial.beam import SpatialBeam
     from lcpflex.bodies.spatial.body import SpatialBody, SpatialPoint
     from lcpflex.bodies.spatial.matrices import SpatialMatrices
-    from lcpflex.bodies.spatial.rigid import Capsule, ConvexHull, Cuboid, Cylinder, SpatialRigidBody, Sphere
+    from lcpflex.bodies.spatial.rigid import Capsule, ConvexHull, Cuboid, Cylinder, Polyhedron, SpatialRigidBody, Sphere
     from lcpflex.compile.state_mechanics import StateMechanics
     from lcpflex.dynamics.impact_laws import Newton, Poisson, Stronge
     from lcpflex.errors import LcpflexError, ModelError, ModelWarning, SolverError, StepError, ToleranceError
@@ -142,6 +142,7 @@ __all__ = [
     "PointOnPlane",
     "Poisson",
     "Polygon",
+    "Polyhedron",
     "Prismatic",
     "QuadraticProgram",
     "Rayleigh",

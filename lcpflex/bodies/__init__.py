@@ -41,6 +41,7 @@ if TYPE_CHECKING:
         ConvexHull as ConvexHull,
         Cuboid as Cuboid,
         Cylinder as Cylinder,
+        Polyhedron as Polyhedron,
         SpatialRigidBody as SpatialRigidBody,
         Sphere as Sphere,
     )

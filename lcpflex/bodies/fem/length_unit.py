@@ -14,7 +14,7 @@ from lcpflex.bodies.fem.material import SPEEDS
 from lcpflex.bodies.fem.mesh import Mesh
 from lcpflex.errors import ModelWarning
 
-__all__ = ["METRES", "check_size", "metres"]
+__all__ = ["METRES", "check_rigid_size", "check_size", "metres"]
 
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048}
 METAL = 65e9, 2600.0  # [Pa], [kg/m^3] from which a solid is metal or glass: aluminium 70e9 and 2700, concrete 30e9
@@ -22,6 +22,7 @@ POLYMER = 6e9, (850.0, 1600.0)  # [Pa], [kg/m^3]: rubber and plastics; wood and 
 THICKEST, WIDEST = 6.0, 60.0  # [m] of solid metal (forgings and press frames have 3 to 5), of anything (dams have 30)
 HEAVIEST = 1e6  # [kg] of one piece of metal: the largest ingots have 600 t
 DRAWN = 20.0  # [m] of metal or plastic whose mesh comes from a file: programs that draw such write millimetres
+SOLID, LIGHTEST = 850.0, 0.1  # [kg/m^3] from which a body is no foam or shell, below which it is nothing: air has 1.2
 FREE_BEAM = 4.73**2 / (2.0 * math.pi * math.sqrt(12.0))  # f L^2 / (c h) of the first bending of a free rectangular bar
 
 
@@ -66,6 +67,32 @@ def check_size(part: Any, mesh: Mesh) -> None:
         "length_unit='m' says that it is meant",
         ModelWarning,
         stacklevel=4,
+    )
+
+
+def check_rigid_size(source: str, extent: float, width: float, density: float, *, from_file: bool) -> None:
+    """Warn of a rigid body that is larger than solids of its density are, or too large for its mass.
+
+    For bodies without a ``length_unit``. Boulders may be as large as they like, up to DRAWN from a file.
+
+    Parameters
+    ----------
+    source : what the body is called in messages
+    extent : [m]
+    width : mean width 3 V / A, which lets slender and hollow bodies be as long as they like [m]
+    density : mass over volume [kg/m^3]
+    """
+    large = width > WIDEST or (from_file and density >= SOLID and extent > DRAWN)
+    light = from_file and density < LIGHTEST
+    if not (large or light):
+        return
+    what = "larger than solids of it are" if large else "too large for its mass"
+    warnings.warn(
+        f"{source}: {extent:.4g} m long and {width:.3g} m wide in the mean, with a density of {density:.4g} kg/m^3, it "
+        f"is {what}: are its places in mm? length_unit='mm' makes it {1e-3 * extent:.4g} m long; length_unit='m' says "
+        "that it is meant",
+        ModelWarning,
+        stacklevel=3,
     )
 
 

@@ -10,7 +10,7 @@ from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["Hull", "block", "convex_hull"]
+__all__ = ["Hull", "block", "convex_hull", "moments_of"]
 
 FLAT = 1e-12  # volume relative to the cube of the size, below which there is none
 
@@ -36,8 +36,7 @@ def block() -> tuple[FloatArray, IntArray]:
 def convex_hull(points: FloatArray) -> Hull:
     """The convex hull of points (k, 3).
 
-    The integrals are sums over the tetrahedra (0, a, b, c) from a point inside to the triangles, with
-    V = det(a, b, c) / 6: integral of x = V (a + b + c) / 4 and of x x^T = V (sum v v^T + sum v (sum v)^T) / 20.
+    The integrals are sums over the tetrahedra (0, a, b, c) from a point inside to the triangles, V = det(a, b, c) / 6.
 
     Raises
     ------
@@ -68,15 +67,28 @@ def convex_hull(points: FloatArray) -> Hull:
         raise ModelError(
             f"points: their hull has {volume:.3g} of the volume of a cube of its size, expected a hull with a volume"
         )
-    total = a + b + c
-    centre = (parts @ total) / (4.0 * volume)
-    second = np.einsum("t,tvi,tvj->ij", parts, np.stack([a, b, c, total], 1), np.stack([a, b, c, total], 1)) / 20.0
-    second -= volume * np.outer(centre, centre)
+    centre, second = moments_of(a, b, c, parts)
     return Hull(
         corners=corners,
         triangles=np.asarray(triangles, dtype=np.int64),
         vertices=size * (vertices - centre),
         centre=inside + size * (scaled[corners].mean(axis=0) + centre),
         volume=volume * size**3,
-        second=np.asarray(0.5 * (second + second.T)) * size**5,
+        second=second * size**5,
     )
+
+
+def moments_of(a: FloatArray, b: FloatArray, c: FloatArray, parts: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The centre (3,) of tetrahedra (0, a, b, c), and the integral (3, 3) of x x^T dV about it.
+
+    a, b, c : (T, 3) corners
+    parts : (T,) volumes, negative where a, b, c are clockwise seen from outside of a body that they make up together;
+        their sum is positive
+
+    Of each, integral of x = V (a + b + c) / 4 and of x x^T = V (sum v v^T + sum v (sum v)^T) / 20.
+    """
+    volume, total = float(parts.sum()), a + b + c
+    centre = (parts @ total) / (4.0 * volume)
+    second = np.einsum("t,tvi,tvj->ij", parts, np.stack([a, b, c, total], 1), np.stack([a, b, c, total], 1)) / 20.0
+    second -= volume * np.outer(centre, centre)
+    return centre, np.asarray(0.5 * (second + second.T))

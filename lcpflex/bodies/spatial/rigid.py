@@ -7,21 +7,25 @@ origin at the mass centre. Any place of space may be taken as a material point o
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.arguments import array_of, mapping_of, numbers, positive
+from lcpflex.basics.arguments import array_of, mapping_of, numbers, positive, sequence_of
+from lcpflex.bodies.fem.length_unit import check_rigid_size, metres
 from lcpflex.bodies.spatial.body import SpatialBody, rigid_point
 from lcpflex.bodies.spatial.checks import axes_of, even
 from lcpflex.bodies.spatial.hull import block, convex_hull
-from lcpflex.bodies.spatial.shapes import CapsuleShape, CylinderShape, Shape, SphereShape, SurfaceShape
+from lcpflex.bodies.spatial.shapes import CapsuleShape, CylinderShape, Shape, SphereShape, SurfaceShape, triangles_of
+from lcpflex.bodies.spatial.stl import TRIANGLES, read_stl
+from lcpflex.bodies.spatial.triangle_solid import triangle_solid
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 
-__all__ = ["Capsule", "ConvexHull", "Cuboid", "Cylinder", "Sphere", "SpatialRigidBody"]
+__all__ = ["Capsule", "ConvexHull", "Cuboid", "Cylinder", "Polyhedron", "Sphere", "SpatialRigidBody"]
 
 
 def SpatialRigidBody(
@@ -188,16 +192,74 @@ def ConvexHull(points: npt.ArrayLike, density: float | None = None, mass: float 
     return _rigid(m, m / hull.volume * hull.second, places, shape, origin=hull.centre)
 
 
+def Polyhedron(
+    surface: Any, density: float | None = None, mass: float | None = None, *, length_unit: Any = None
+) -> SpatialBody:
+    """A homogeneous solid between triangles, of an STL file or given. **Its frame is moved to its mass centre**.
+
+    ``body.origin`` is the mass centre in the coordinates given: a point x of them is x - origin in the body frame.
+    Point "center". Volume, centre and inertia are exact: with V = det(a, b, c) / 6 of each triangle, integral of
+    x = sum V (a + b + c) / 4 and of x x^T = sum V (sum v v^T + sum v (sum v)^T) / 20. A convex one touches as a
+    :class:`ConvexHull` does, another one with its triangles. The surface must be closed; several separate shells are
+    one body, and shells within others that are seen from inside are cavities.
+
+    Parameters
+    ----------
+    surface : the name of an STL file, ASCII or binary; or vertices (N, 3) and triangles (T, 3) of them,
+        counter-clockwise seen from outside
+    density, mass : one of the two [kg/m^3], [kg]
+    length_unit : of the surface: "m", "cm", "mm", "um", "in", "ft", or its number of metres; None for metres, with a
+        warning where the body is larger than solids of its density are
+
+    Raises
+    ------
+    ModelError
+        For a file that is damaged or no STL; a surface that is open, with the hole; triangles that are turned around,
+        have no area, or share an edge with more than one other; shells within each other that are no cavities;
+        more than a million triangles; anything not positive, or both or none of density and mass.
+    """
+    unit = metres(length_unit)
+    is_file = isinstance(surface, (str, os.PathLike))
+    corners, source = read_stl("surface", surface) if is_file else (_corners(surface), "surface")
+    with np.errstate(over="ignore"):  # what is too large then is refused
+        corners = unit * corners
+    solid = triangle_solid(source, corners)
+    m = _mass(solid.volume, density, mass)
+    if length_unit is None:
+        width = 3.0 * solid.volume / solid.area
+        check_rigid_size(source, solid.extent, width, m / solid.volume, from_file=is_file)
+    shape = _surface(solid.vertices, solid.triangles, convex=solid.convex)
+    return _rigid(m, m / solid.volume * solid.second, {"center": np.zeros(3)}, shape, origin=solid.centre)
+
+
+def _corners(surface: Any) -> FloatArray:
+    """(T, 3, 3) of vertices and triangles."""
+    expected = "the name of an STL file, or vertices (N, 3) and triangles (T, 3)"
+    pair = sequence_of("surface", surface, expected)
+    if len(pair) != 2:
+        raise ModelError(f"surface: {shown(surface)} was given, expected {expected}")
+    vertices = array_of("surface: vertices", pair[0], (-1, 3))
+    if numbers(pair[1]) is None:
+        raise ModelError(f"surface: triangles: {shown(pair[1])} was given, expected (any, 3) integers")
+    try:
+        triangles = triangles_of(pair[1], len(vertices))
+    except ModelError as error:
+        raise ModelError(f"surface: {error}") from None
+    if not 0 < len(triangles) <= TRIANGLES:
+        raise ModelError(f"surface: {len(triangles)} triangles were given, expected 1 to {TRIANGLES}")
+    return vertices[triangles]
+
+
 def _along_z(**heights: float) -> dict[str, FloatArray]:
     """The centre and points of the axis."""
     return {"center": np.zeros(3)} | {name: np.array([0.0, 0.0, z]) for name, z in heights.items()}
 
 
-def _surface(vertices: FloatArray, triangles: Any) -> SurfaceShape:
-    """The surface of a convex rigid body."""
+def _surface(vertices: FloatArray, triangles: Any, convex: bool = True) -> SurfaceShape:
+    """The surface of a rigid body."""
     for array in (vertices, triangles):
         array.setflags(write=False)
-    return SurfaceShape(vertices, triangles, np.zeros((len(vertices), 0, 3)), convex=True)
+    return SurfaceShape(vertices, triangles, np.zeros((len(vertices), 0, 3)), convex=convex)
 
 
 def _mass(volume: float, density: float | None, mass: float | None) -> float:

@@ -11,7 +11,7 @@ from lcpflex.basics.arguments import array_of
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["SHAPES", "CapsuleShape", "CylinderShape", "Shape", "SphereShape", "SurfaceShape"]
+__all__ = ["SHAPES", "CapsuleShape", "CylinderShape", "Shape", "SphereShape", "SurfaceShape", "triangles_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ class SurfaceShape:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "vertices", array_of("vertices", self.vertices, (-1, 3)))
-        object.__setattr__(self, "triangles", _triangles(self.triangles, len(self.vertices)))
+        object.__setattr__(self, "triangles", triangles_of(self.triangles, len(self.vertices)))
         object.__setattr__(self, "phi", array_of("phi", self.phi, (len(self.vertices), -1, 3)))
 
     def deformed(self, eta: FloatArray) -> FloatArray:
@@ -72,7 +72,7 @@ class SurfaceShape:
         return np.asarray(self.vertices + np.einsum("ikj,k->ij", self.phi, eta))
 
 
-def _triangles(given: Any, count: int) -> IntArray:
+def triangles_of(given: Any, count: int) -> IntArray:
     """(T, 3) numbers of vertices, of which there are so many."""
     array = np.asarray(given)
     if array.ndim != 2 or array.shape[1] != 3 or (array.size and array.dtype.kind not in "iu"):

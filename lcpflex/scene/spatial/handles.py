@@ -103,8 +103,8 @@ class SpatialPlaced(PlacedBody):
         if shape is None:
             held = "the ground" if self.source is None else f"{shown(self.name)} with the shape {self._shape_name()}"
             raise ModelError(
-                f"surface: {held} has none that can be touched, expected a Sphere, Cuboid, Capsule, ConvexHull or "
-                "mesh; make one with sphere, capsule, cylinder, box, hull, rim, node, hole or plane"
+                f"surface: {held} has none that can be touched, expected a Sphere, Cuboid, Capsule, ConvexHull, "
+                "Polyhedron or mesh; make one with sphere, capsule, cylinder, box, hull, rim, node, hole or plane"
             )
         if len(shape.triangles):
             check_closed(f"surface of {shown(self.name)}", np.array([p.place for p in shape.points]), shape.triangles)

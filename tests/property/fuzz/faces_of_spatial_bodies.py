@@ -26,6 +26,7 @@ BEAM: dict[str, Any] = {
 }
 MATERIAL = {"density": 7800.0, "youngs_modulus": 2e11, "poissons_ratio": 0.3}
 CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
 
 
 def _written() -> dict[str, Any]:
@@ -70,6 +71,7 @@ def spatial_bodies_faces() -> list[Face]:
         named("Cylinder", radius=0.1, length=0.3, mass=1.0),
         named("Capsule", radius=0.1, length=0.3, mass=1.0),
         named("ConvexHull", points=CORNERS, mass=1.0),
+        named("Polyhedron", surface=(CORNERS, FACES), mass=1.0, length_unit="m"),
         Face("SpatialBody", lf.SpatialBody, _written),
         Face(
             "SpatialBody.point",
