@@ -252,6 +252,17 @@ def test_edges_of_plane_elements_are_surfaces(tmp_path):
     assert mesh.chains["right"][0].tolist() == [1, 2]
 
 
+def test_what_calculix_writes_besides(tmp_path):
+    """Nodes of incompatible modes on the lines of elements, fluid networks, surfaces of nodes and faces of one name."""
+    text = f"*NODE\n{lines_of(CUBE)}\n9, 5., 5., 5.\n*ELEMENT, TYPE=C3D8I\n1,1,2,3,4,5,6,7,8,9,1,\n"
+    text += "*ELEMENT, TYPE=D, ELSET=water\n2,0,9,1\n*SURFACE, NAME=s, TYPE=NODE\n9\n*SURFACE, NAME=s\n1, S1\n"
+    text += "*SURFACE, NAME=t, TYPE=NODE\n1\n2\n3\n4\n*SURFACE, NAME=t\n1, S1\n"
+    found = read(tmp_path, text, name="part.msh")
+    assert found.cells("hexahedron").tolist() == [list(range(8))]
+    assert found.groups["s"].nodes.tolist() == [8]
+    assert found.groups["t"].facets.tolist() == [[0, 1, 2, 3]]
+
+
 def test_cylindrical_coordinates(tmp_path):
     found = read(tmp_path, "*NODE, SYSTEM=C\n1, 2., 90., 3.\n*ELEMENT, TYPE=MASS\n1, 1\n")
     assert found.points == pytest.approx(np.array([[0.0, 2.0, 3.0]]), abs=1e-15)

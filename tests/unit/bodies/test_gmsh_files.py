@@ -116,6 +116,12 @@ def test_numbers_as_large_as_they_like_need_no_memory(tmp_path):
         assert found.cells("tetra10")[:, :4].tolist() == [[0, 1, 2, 3], [1, 2, 3, 4]]
 
 
+@pytest.mark.parametrize("version", ["2", "2.000000", "2.1"])
+def test_version_2_however_it_is_written(tmp_path, version):
+    text = two_tetrahedra().written("2.2", "").decode().replace("2.2 0 8", f"{version} 0 8")
+    assert read(tmp_path, text.encode()).counts()["tetra10"] == 2
+
+
 def test_parameters_and_sections_of_others_are_passed_over(tmp_path):
     text = two_tetrahedra().written("4.1", "").decode()
     extra = "$Comments\nfrom elsewhere $Nodes\n$EndComments\n"

@@ -21,6 +21,7 @@ TRAILING = re.compile(rb",[ \t]*$", re.MULTILINE)
 BLANK = re.compile(rb"\n\s*\n")
 FIRST = re.compile(rb"^[ \t]*(\d+)", re.MULTILINE)
 NAMED = re.compile(rb"[A-Za-z_\".]")
+INNER = (11, 12)  # numbers on lines of C3D8I with the nodes that CalculiX adds for incompatible modes, which are left
 COMMAS = bytes.maketrans(b",", b" ")
 FORTRAN = bytes.maketrans(b"Dd", b"Ee")  # of exponents
 
@@ -101,6 +102,8 @@ def element_table(keyword: Keyword, kind: str) -> tuple[IntArray, IntArray]:
     numbers = integers_of(text, where)
     _check_entries(len(numbers), counts, where)
     width = 1 + CELLS[kind].nodes
+    if kind == "hexahedron" and len(counts) and counts[0] in INNER and (counts == counts[0]).all():
+        return _columns(numbers, int(counts[0]), width)
     begins = np.zeros(len(numbers) + 1, dtype=np.bool_)
     begins[np.cumsum(counts)] = True
     begins[0] = True
@@ -108,8 +111,12 @@ def element_table(keyword: Keyword, kind: str) -> tuple[IntArray, IntArray]:
         raise Unreadable(
             f"{where} has lines that are no elements of {width - 1} nodes, expected a number and so many nodes for each"
         )
-    table = numbers.reshape(-1, width)
-    return table[:, 0], table[:, 1:]
+    return _columns(numbers, width, width)
+
+
+def _columns(numbers: IntArray, length: int, width: int) -> tuple[IntArray, IntArray]:
+    table = numbers.reshape(-1, length)
+    return table[:, 0], table[:, 1:width]
 
 
 def first_numbers(keyword: Keyword) -> IntArray:

@@ -185,5 +185,6 @@ def _add_surface(scope: Scope, keyword: Keyword) -> None:
     if kind not in ("ELEMENT", "NODE") or "COMBINE" in keyword.options:
         return  # analytical surfaces, cuts, and sums and differences of others: no group
     name = keyword.option("NAME")
-    surface = scope.surfaces.setdefault(name.upper(), Surface(name, "INTERNAL" in keyword.options, kind == "NODE"))
+    key = f"{kind} {name.upper()}"  # one of nodes and one of faces may have the same name
+    surface = scope.surfaces.setdefault(key, Surface(name, "INTERNAL" in keyword.options, kind == "NODE"))
     surface.members.extend(pairs(keyword))

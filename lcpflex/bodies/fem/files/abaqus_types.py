@@ -27,7 +27,7 @@ BEAM = re.compile(r"(?:B|PIPE|ELBOW)[23]([123])[A-Z]*|(?:S|M|D)AX([12])[A-Z]*")
 TRUSS = re.compile(r"(?:T[23]D|R2D|RAX|RB2D|RB3D|DC1D)([23])[A-Z]*")
 NO_MESH = re.compile(
     r"MASS|ROTARYI|HEATCAP|POINT|SPRING[A12]|DASHPOT[A12]|CONN[23]D2|GAP\w+|JOINT\w+|DCOUP[23]D|ITS\w+|DGAP|FRAME[23]D|"
-    r"TRACER|LS\d\w*|DISTRIBUTING|PC3D|PD3D"
+    r"D|TRACER|LS\d\w*|DISTRIBUTING|PC3D|PD3D"
 )
 ORDERS_27 = (  # where the nodes of VTK stand among those of C3D27: of Abaqus, of Gmsh, of VTK
     [*range(20), 26, 24, 23, 25, 21, 22, 20],

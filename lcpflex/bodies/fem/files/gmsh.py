@@ -25,6 +25,7 @@ __all__ = ["is_gmsh", "read_gmsh"]
 STARTS = (b"$MeshFormat", b"$NOD", b"$Comments", b"$PhysicalNames")  # of its files; $NOD: format 1
 SECTION = re.compile(rb"^[ \t]*\$([A-Za-z]+)[ \t]*\r?$", re.MULTILINE)
 PHYSICAL_NAME = re.compile(rb'^\s*(\d+)\s+(-?\d+)\s+"(.*)"\s*$')
+VERSION_2 = re.compile(r"2(\.[0-2]0*)?")  # Netgen writes "2.000000"
 ONCE = ("MeshFormat", "PhysicalNames", "Entities", "Nodes", "Elements")
 
 
@@ -110,7 +111,7 @@ def _read_format(file: _File) -> None:
     if len(words) != 3 or end < 0:
         raise Unreadable(f"$MeshFormat has {shown(' '.join(words))}, expected a version, 0 or 1, and a size")
     version, kind, size = words
-    if version in ("2", "2.0", "2.1", "2.2"):
+    if VERSION_2.fullmatch(version):
         file.version = 2
     elif version == "4.1":
         file.version = 4
