@@ -1,7 +1,8 @@
-"""Beams of space under axial load, which their bending does not feel, against the load at which they buckle.
+"""Beams of space under axial load that their bending does not feel, against the load at which they buckle.
 
-N(x) is that of :mod:`lcpflex.results.spatial.section_forces` at some instants without collisions. As in
-:mod:`lcpflex.checks.buckling`, with the modes that the beam has, in both planes:
+N(x) is that of :mod:`lcpflex.results.spatial.section_forces` at some instants without collisions, less what the
+stiffness of the beam counts with (:class:`lcpflex.Stiffening`). As in :mod:`lcpflex.checks.buckling`, with the modes
+that the beam has, in both planes:
 
     max of  - integral of N (slope_y^2 + slope_z^2) dx  /  (elastic energy of the scene, doubled)
 
@@ -36,7 +37,10 @@ BUCKLED = (
     0.85  # of it: eight free modes make a cantilever 13 % stiffer than it is, and deflections are 6 times too small
 )
 LOOSE = 1e-4  # of the square of its lowest frequency: what is held less turns as a whole
-DO = "take a stiffer beam, or a smaller load: no beam of space feels its axial force"
+DO = (
+    "take a stiffer beam, or a smaller load, or stiffening=Stiffening(axial_force=...) if it is constant: no beam of "
+    "space feels another axial force"
+)
 NEAR = 1e-6  # of the size of the scene: gaps of contacts that press
 
 
@@ -51,7 +55,7 @@ def spatial_axial_loads(
     line = compiled.recovery[b]
     assert isinstance(line, SpatialLineShapes)
     x = np.linspace(-0.5 * line.length, 0.5 * line.length, len(line.shapes))
-    N = spatial_section_forces(result, compiled, b, x, mean_step(result), instants).N
+    N = _uncounted(result, compiled, b, line, instants, x)
     least = N.min(axis=1)
     when = int(least.argmin() if calm else np.argsort(least)[len(least) // 2])
     if not least[when] < 0.0:
@@ -71,6 +75,20 @@ def spatial_axial_loads(
         f"{feels} does not feel that"
     )
     return Alarm(clause, "axial load", name, float(result.times[k]), float(-least[when]), DO), buckles
+
+
+def _uncounted(
+    result: Result, compiled: CompiledScene, b: int, line: SpatialLineShapes, instants: IntArray, x: FloatArray
+) -> FloatArray:
+    """N (instants, nodes) that the stiffness of beam b does not count with [N]: neither spin nor the force given."""
+    N = np.array(spatial_section_forces(result, compiled, b, x, mean_step(result), instants).N)
+    if not len(line.spin):
+        return N
+    d = int(compiled.model.bodies.dof[b])
+    across = np.sum(result.u[instants, d + 4 : d + 6] ** 2, axis=1)
+    N -= across[:, None] * line.spin
+    other = N - line.given
+    return np.asarray(np.where(np.abs(other) < np.abs(N), other, N))
 
 
 def _share(result: Result, compiled: CompiledScene, b: int, line: SpatialLineShapes, k: int, N: FloatArray) -> float:

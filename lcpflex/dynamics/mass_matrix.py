@@ -100,8 +100,10 @@ def slowest_vibrations(bodies: Bodies) -> FloatArray:
 
 def overbent(model: Model, q: FloatArray) -> list[int]:
     """Bodies that are stiffened by spin and so bent that foreshortening takes all their inertia: M is not positive."""
-    if _of_space(model.bodies):
-        return []
+    space = _of_space(model.bodies)
+    if space:
+        found: list[int] = space.overbent(model.bodies, q)
+        return found
     stiffened = [int(b) for b in np.flatnonzero(np.diff(model.bodies.geometric_start))]
     blocks = (body_mass_matrix(model.bodies, b, q[model.bodies.dof[b] : model.bodies.dof[b + 1]]) for b in stiffened)
     return [b for b, M in zip(stiffened, blocks, strict=True) if not np.linalg.eigvalsh(M)[0] > 0.0]

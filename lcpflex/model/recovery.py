@@ -9,9 +9,11 @@ from collections.abc import Iterable
 from typing import NamedTuple, TypeAlias
 
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.model.arrays import frozen
 
-__all__ = ["LARGEST", "LineShapes", "MeshShapes", "Shapes", "SpatialLineShapes", "small_enough"]
+__all__ = ["LARGEST", "NOTHING", "LineShapes", "MeshShapes", "Shapes", "SpatialLineShapes", "small_enough"]
 
+NOTHING = frozen([])
 LARGEST = 2_000_000  # numbers of the shapes of a body that a file keeps: 16 MB
 
 
@@ -50,6 +52,9 @@ class SpatialLineShapes(NamedTuple):
     gyration: tuple[float, float]  # I_z / A and I_y / A of the cross-section, mean squares of y and of z in it [m^2]
     shear: tuple[float, float]  # s = 12 E I / (k G A h^2) of bending in the planes xy and xz
     shapes: FloatArray  # (nodes, 6, n) u, v, w, h phi, h b and h c of :mod:`lcpflex.bodies.spatial.beam_elements`
+    # what the stiffness of bending counts with, at the nodes; empty for the linear beam, and in older files
+    spin: FloatArray = NOTHING  # (nodes,) N at 1 rad/s across the axis [N s^2]
+    given: FloatArray = NOTHING  # (nodes,) N of the axial force that was given [N]
 
 
 Shapes: TypeAlias = LineShapes | MeshShapes | SpatialLineShapes

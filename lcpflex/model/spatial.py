@@ -37,6 +37,7 @@ __all__ = [
 ]
 
 NO_OFFSETS, NO_NUMBERS = frozen([0], np.int64), frozen([], np.int64)  # of what there is nothing of
+NO_VALUES = frozen([])
 N_PLACE = 7  # numbers that place a body as a rigid one, R and p; its modal coordinates come behind them
 N_RIGID = 6  # its velocities, v and omega; the modal ones come behind them
 
@@ -45,7 +46,9 @@ class SpatialBodies(NamedTuple):
     """Inertia, stiffness and damping of all bodies, each in its own orthonormal modal basis (M_ff = I).
 
     Mode k of body b has the global index ``dof[b] - 6 b + k``. With < . > the integral of rho ( . ) dV:
-    moment = <x>, second = <x x^T>, S_k = <Phi_k>, first_k = <x Phi_k^T>, products_lk = <Phi_l Phi_k^T>.
+    moment = <x>, second = <x x^T>, S_k = <Phi_k>, first_k = <x Phi_k^T>, products_lk = <Phi_l Phi_k^T>. What spin
+    stiffens has G besides: its inertia is less by eta^T G_ij eta (:mod:`lcpflex.dynamics.spatial.inertia`). Bodies of
+    older files have none.
     """
 
     dof: IntArray  # (nb + 1,) offsets into u
@@ -63,6 +66,8 @@ class SpatialBodies(NamedTuple):
     second_modes: IntArray  # (nb,) n2: products are kept between the first n2 modes of a body, else taken as 0
     products_start: IntArray  # (nb + 1,) offsets into products
     products: FloatArray  # flat (n2, n2, 9): entry [l, k, 3 i + j] is <Phi_l,i Phi_k,j>
+    geometric_start: IntArray = NO_OFFSETS  # (nb + 1,) offsets into geometric; equal where G = 0
+    geometric: FloatArray = NO_VALUES  # flat (n, n, 6): [l, k] of G_xx, G_yy, G_zz, G_yz, G_zx, G_xy, symmetric
 
 
 class SpatialPoints(NamedTuple):
@@ -253,6 +258,7 @@ def bodiless_spatial_model(
         second_modes=none,
         products_start=frozen([0, 0], np.int64),
         products=real,
+        geometric_start=frozen([0, 0], np.int64),
     )
     return SpatialModel(
         bodies=body,

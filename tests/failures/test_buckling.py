@@ -174,3 +174,45 @@ def test_beams_of_space_buckle_too(stepper: Any, ends: str, turn: Any, flat: boo
         assert not warned
         assert "beam 'strut': compression of" in wrong[0]
     assert said(-2.0) == ([], [])
+
+
+def stiffened_column(share: float, given: float) -> lf.SpatialScene:
+    """Pinned, in space, under ``share`` of the load at which it buckles, of which its stiffness has ``given``."""
+    weak, stiff = 0.02 * 0.005**3 / 12.0, 0.005 * 0.02**3 / 12.0
+    euler = math.pi**2 * 7e10 * weak
+    beam = lf.SpatialBeam(1.0, 1e-4, (weak, stiff), 4.0 * weak, 2700.0, 7e10, poissons_ratio=0.3, elements=20)
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    body = beam.reduce(8, 0.05, stiffening=Stiffening(axial_force=-given * euler) if given else None)
+    placed = scene.add(body, "strut")
+    scene.join(lf.Ball(placed.point("left"), scene.ground.at(-0.5, 0.0, 0.0)))
+    scene.join(lf.PointOnLine(placed.point("right"), scene.ground.at(0.5, 0.0, 0.0), (1.0, 0.0, 0.0)))
+    scene.load(lf.Force(placed.point("right"), (-share * euler, 0.0, 0.0)))
+    scene.load(lf.Force(placed.point("center"), (0.0, 0.0, 1e-3 * euler)))
+    return scene
+
+
+def test_a_beam_of_space_is_not_warned_of_what_it_counts_with() -> None:
+    def warned(share: float, given: float) -> list[str]:
+        stepper = lf.MoreauJean(step=1e-3)
+        return buckles(lf.simulate(stiffened_column(share, given), 0.04, stepper, progress=False).warnings)
+
+    assert warned(0.6, 0.0)
+    assert not warned(0.6, 0.6)
+    (told,) = warned(0.6, 0.3)  # of the other half
+    assert "compression of 43" in told
+    assert warned(0.0, 0.6) == []  # a cable within it
+
+
+def test_spin_that_stiffens_is_counted_with() -> None:
+    """Of a beam that flies free but says that it is held at its end the tension is far less than it counts with."""
+
+    def told(stiffening: Stiffening | None) -> list[str]:
+        beam = lf.SpatialBeam(1.0, 1e-4, (2e-10, 2e-10), 3e-10, 2700.0, 7e10, poissons_ratio=0.3, elements=20)
+        scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+        scene.add(beam.reduce(8, 0.05, stiffening=stiffening), angular_velocity=(0.0, 0.0, 60.0))
+        result = lf.simulate(scene, 0.04, lf.MoreauJean(step=5e-4), progress=False)
+        return buckles((*result.warnings, *doubts(result)))
+
+    assert told(None) == told(Stiffening()) == []
+    (text,) = told(Stiffening(held="left"))
+    assert "compression of 486 N at x = -0.5 m" in text

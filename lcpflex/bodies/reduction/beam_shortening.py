@@ -27,7 +27,7 @@ def with_axial_loads(line: Line, stiffening: Stiffening, loads: LineLoads) -> Li
     """The loads with those of the module besides. Raises ModelError for a place to hold it that is off the beam."""
     held = [] if stiffening.held is None else [station_on(line, "held", stiffening.held)]
     h = line.length / line.elements
-    x, weight = gauss(line, 0.0, line.length)
+    x, weight = gauss(line.nodes, 0.0, line.length)
 
     def spread(modes: LineModes) -> FloatArray:
         return np.asarray((weight * (x - 0.5 * line.length)) @ interpolate(modes, h, x)[0])
@@ -42,7 +42,7 @@ def shortening_of(line: Line, modes: LineModes, is_axial: npt.NDArray[np.bool_],
     if not (len(axial) and len(bending)):
         return None
     h = line.length / line.elements
-    x, weight = gauss(line, 0.0, line.length)
+    x, weight = gauss(line.nodes, 0.0, line.length)
     slope = interpolate(modes, h, x)[2][:, bending]
     tension = rigidity / h * np.diff(modes.stretch[:, axial], axis=0) / modes.omega2[axial]
     tension = tension[np.minimum((x / h).astype(np.int64), line.elements - 1)]

@@ -25,14 +25,23 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Axis
 
-__all__ = ["axis_of", "bent_under_tension", "gauss", "spinning", "station_on"]
+__all__ = [
+    "axis_of",
+    "bent_under_tension",
+    "buckled",
+    "gauss",
+    "spinning",
+    "spun",
+    "station_on",
+    "under_axial_force",
+]
 
 
 def spinning(line: Line, modes: LineModes, stiffening: Stiffening | None) -> FloatArray | None:
     """G (n, n) of the modes; None without stiffening or modes. Raises ModelError for a place off the beam."""
     if stiffening is None or not len(modes.omega2):
         return None
-    x, weight = gauss(line, 0.0, _pivot(line, stiffening), line.length)
+    x, weight = gauss(line.nodes, 0.0, _pivot(line, stiffening), line.length)
     tension = _spun(line, stiffening, x)
     slope = interpolate(modes, line.length / line.elements, x)[2]
     G = slope.T @ ((weight * tension)[:, None] * slope)
@@ -64,10 +73,13 @@ def _pivot(line: Line, stiffening: Stiffening) -> float:
 
 
 def _spun(line: Line, stiffening: Stiffening, x: FloatArray) -> FloatArray:
-    """N(x) at 1 rad/s [N s^2], as the module has it."""
-    p = _pivot(line, stiffening)
-    reach = np.where(x < p, p, line.length - p)
-    return np.asarray(0.5 * line.mass / line.length * (reach**2 - (x - p) ** 2))
+    return spun(line.mass / line.length, (0.0, line.length), _pivot(line, stiffening), x)
+
+
+def spun(density: float, ends: tuple[float, float], p: float, x: FloatArray) -> FloatArray:
+    """N(x) at 1 rad/s [N s^2] of a beam of ``density`` [kg/m] between its ends, as the module has it."""
+    reach = np.where(x < p, p - ends[0], ends[1] - p)
+    return np.asarray(0.5 * density * (reach**2 - (x - p) ** 2))
 
 
 def bent_under_tension(
@@ -87,25 +99,43 @@ def bent_under_tension(
     h = line.length / line.elements
     modes = LineModes(omega2, np.zeros_like(deflection), deflection, rotation)
     ends = interpolate(modes, h, np.array([a, b]))[1]
-    x, weight = gauss(line, a, b)
+    x, weight = gauss(line.nodes, a, b)
     slope = interpolate(modes, h, x)[2] - (ends[1] - ends[0]) / (b - a)
+    loaded, turn = under_axial_force(omega2, slope, weight, stiffening.constant)
+    turn = turn[:, :count]
+    nodes = len(deflection)
+    shapes = signed(np.vstack([deflection @ turn, rotation @ turn]), np.arange(2 * nodes) < nodes)
+    return loaded[:count], shapes[:nodes], shapes[nodes:]
+
+
+def under_axial_force(
+    omega2: FloatArray, slope: FloatArray, weight: FloatArray, force: float
+) -> tuple[FloatArray, FloatArray]:
+    """omega2 (n,) under the force, and the combinations (n, n) of modes without it that are the modes then.
+
+    slope (k, n) of the modes against the line of the force; weight (k,): the integral is force sum weight slope^2.
+
+    Raises
+    ------
+    ModelError
+        For compression beyond the buckling load.
+    """
     # scaled by the frequencies, K is I and what is added is small for all but the lowest modes: few digits are lost
     scaled = slope / np.sqrt(omega2)
-    relative = np.eye(len(omega2)) + stiffening.constant * (scaled.T @ (weight[:, None] * scaled))
+    relative = np.eye(len(omega2)) + force * (scaled.T @ (weight[:, None] * scaled))
     try:
         lower = np.linalg.cholesky(0.5 * (relative + relative.T))
     except np.linalg.LinAlgError:
-        raise ModelError(
-            f"axial_force: {shown(stiffening.axial_force)} was given, "
-            f"expected less compression: the beam buckles under it"
-        ) from None
+        raise buckled(force) from None
     with one_thread(len(lower)):
         flexible = np.linalg.solve(lower, np.diag(1.0 / np.sqrt(omega2)))
         _, periods, turn = np.linalg.svd(flexible)
-    turn = turn[:count].T
-    nodes = len(deflection)
-    shapes = signed(np.vstack([deflection @ turn, rotation @ turn]), np.arange(2 * nodes) < nodes)
-    return periods[:count] ** -2, shapes[:nodes], shapes[nodes:]
+    return periods**-2, turn.T
+
+
+def buckled(force: float) -> ModelError:
+    """What is said of compression that the beam does not bear."""
+    return ModelError(f"axial_force: {shown(force)} was given, expected less compression: the beam buckles under it")
 
 
 def station_on(line: Line, name: str, held: object) -> float:
@@ -113,10 +143,9 @@ def station_on(line: Line, name: str, held: object) -> float:
     return station(name, held, line.length, line.thickness)  # type: ignore[arg-type]  # as Stiffening has checked
 
 
-def gauss(line: Line, first: float, *later: float) -> tuple[FloatArray, FloatArray]:
+def gauss(nodes: FloatArray, first: float, *later: float) -> tuple[FloatArray, FloatArray]:
     """Stations and weights of four Gauss points between nodes and the given places: exact to degree 7 in each piece."""
     places = np.unique([first, *later])
-    nodes = line.nodes
     breaks = np.unique(np.concatenate([places, nodes[(nodes > places[0]) & (nodes < places[-1])]]))
     place, weight = np.polynomial.legendre.leggauss(4)
     half = 0.5 * np.diff(breaks)

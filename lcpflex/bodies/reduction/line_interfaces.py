@@ -94,7 +94,7 @@ def station(name: str, place: str | npt.ArrayLike, length: float, thickness: flo
 
 
 def _on_line(name: str, place: str | npt.ArrayLike, length: float, thickness: float) -> tuple[float, float]:
-    ends = {"left": (0.0, 0.0), "center": (0.5 * length, 0.0), "right": (length, 0.0)}
+    ends: dict[str, tuple[float, ...]] = {"left": (0.0, 0.0), "center": (0.5 * length, 0.0), "right": (length, 0.0)}
     x, y = place_of(name, place, ends)
     slack = 1e-12 * length
     in_range(f"{name}: y", y, -0.5 * thickness - slack, 0.5 * thickness + slack)

@@ -65,11 +65,12 @@ class Stiffening:
     Parameters
     ----------
     held : where the body is held while it spins: the name of a point or set of nodes, or a place (x, y) of the body
-        frame [m]; None for a body that flies free and spins about its mass centre
+        frame [m], (x, y, z) on the axis of a :class:`SpatialBeam`; None for a body that flies free and spins about its
+        mass centre (and for the end that a SpatialBeam is ``clamped`` at)
     axial_force : constant tension between two places, negative for compression [N]: the modes take place about the
-        state it makes, and the coordinates count from there. Or "actual", for beams: what presses the beam in the
-        simulation, loads, joints, contacts and inertia; up to three residual axial modes are added for it, with which
-        explicit steps get shorter
+        state it makes, and the coordinates count from there. Or "actual", for beams of the plane: what presses the beam
+        in the simulation, loads, joints, contacts and inertia; up to three residual axial modes are added for it, with
+        which explicit steps get shorter
     between : names of those two places, points or sets of nodes
 
     Raises
@@ -84,8 +85,10 @@ class Stiffening:
 
     def __post_init__(self) -> None:
         if not (self.held is None or isinstance(self.held, str)):
-            place = array_of("held", self.held, (2,))
-            object.__setattr__(self, "held", (float(place[0]), float(place[1])))
+            place = array_of("held", self.held, (-1,))
+            if len(place) not in (2, 3):
+                raise ModelError(f"held: {shown(place.tolist())} was given, expected a place (x, y) or (x, y, z)")
+            object.__setattr__(self, "held", tuple(place.tolist()))
         if isinstance(self.axial_force, str):
             if self.axial_force != "actual":
                 raise ModelError(f"axial_force: {shown(self.axial_force)} was given, expected a force [N] or 'actual'")
@@ -178,11 +181,15 @@ def stiffened_by_spin(mesh: FiniteElements, stiffening: Stiffening | None, shape
     return np.asarray(0.5 * (G + G.T))
 
 
-def place_of(name: str, held: str | npt.ArrayLike, places: dict[str, tuple[float, float]]) -> tuple[float, float]:
-    """The place (x, y) that was named or given."""
+def place_of(name: str, held: str | npt.ArrayLike, places: dict[str, tuple[float, ...]]) -> tuple[float, ...]:
+    """The place that was named or given, (x, y) or (x, y, z) as the named ones are."""
     if not isinstance(held, str):
-        x, y = np.asarray(held, dtype=float)
-        return float(x), float(y)
+        size = len(next(iter(places.values())))
+        found = np.asarray(held, dtype=float)
+        if found.shape != (size,):
+            expected = "(x, y) of the plane" if size == 2 else "(x, y, z) of space"
+            raise ModelError(f"{name}: {shown(found.tolist())} was given, expected {expected}")
+        return tuple(found.tolist())
     if held not in places:
         known = ", ".join(map(repr, sorted(places)))
         raise ModelError(f"{name}: {shown(held)} was given, expected the name of a point of the body ({known})")
@@ -203,6 +210,8 @@ def _refuse_unknown_stress(mesh: FiniteElements) -> None:
 def _place(mesh: FiniteElements, name: str, held: Any) -> Nodes:
     """Nodes that share a force at a set (alike), a point or a place."""
     if not isinstance(held, str):
+        if np.shape(held) != mesh.places.shape[1:]:
+            raise ModelError(f"{name}: {shown(held)} was given, expected a place (x, y) of the plane")
         return nodes_at(mesh, name, held)
     if held in mesh.sets:
         nodes = np.asarray(mesh.sets[held], dtype=np.int64)

@@ -19,6 +19,7 @@ from lcpflex.bodies.reduction.again import reduction_by
 from lcpflex.bodies.reduction.bases import Basis, elastic_count, loaded_basis
 from lcpflex.bodies.reduction.damping import Damping, damped_modes
 from lcpflex.bodies.reduction.mesh_body import Residual
+from lcpflex.bodies.reduction.stiffening import Stiffening
 from lcpflex.bodies.spatial.beam_elements import (
     DOFS,
     BeamMesh,
@@ -27,13 +28,14 @@ from lcpflex.bodies.spatial.beam_elements import (
     section_fields,
     strains,
 )
+from lcpflex.bodies.spatial.beam_stiffening import BeamStiffening, Section, beam_stiffening
 from lcpflex.bodies.spatial.body import SpatialBody
 from lcpflex.bodies.spatial.elastic import ElasticMesh, Integrals, PointOperator, Surface, load_columns
 from lcpflex.bodies.spatial.flexible import check_deformation, flexible_body
 from lcpflex.errors import ModelError, as_number, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import frozen
-from lcpflex.model.recovery import SpatialLineShapes
+from lcpflex.model.recovery import NOTHING, SpatialLineShapes
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -125,6 +127,7 @@ class SpatialBeam:
         clamped: str | None = None,
         second_order: int | None = None,
         residual_damping: float | None = None,
+        stiffening: Stiffening | None = None,
         deformation: str = "linear",
     ) -> SpatialBody:
         """The body with the ``modes`` lowest modes of the beam: bending, torsion and stretching together.
@@ -141,18 +144,25 @@ class SpatialBeam:
             mean frame and free-free modes
         second_order : of how many of the first modes products are kept, as of :meth:`SpatialMatrices.reduce`
         residual_damping : damping ratio of the residual modes; None for that of the others, the last one of several
-        deformation : "linear" is the only one: neither spin nor axial force stiffen the beam
+        stiffening : by spin and by a constant axial force, in bending and torsion (:class:`Stiffening`); None for the
+            linear beam, which feels neither
+        deformation : "linear" is the only one: the material moves by linear functions of the modal coordinates
 
         Raises
         ------
         ModelError
-            For more modes than the mesh has, a damping that is negative or of the wrong length, or places off the beam.
+            For more modes than the mesh has, a damping that is negative or of the wrong length, places off the beam,
+            or a stiffening that cannot be: compression beyond the buckling load.
         """
         check_deformation(deformation)
-        line, mesh = self._line(), self._elastic()
+        line = self._line()
+        if clamped is not None:
+            one_of("clamped", clamped, ("left", "right"))
+        stiff = beam_stiffening(line, self._section(), stiffening, clamped)
+        mesh = self._elastic() if stiff is None else stiff.loaded(self._elastic())
         held = None
         if clamped is not None:
-            node = 0 if one_of("clamped", clamped, ("left", "right")) == "left" else self.elements
+            node = 0 if clamped == "left" else self.elements
             held = DOFS * node + np.arange(DOFS)
         most = elastic_count(mesh, held)
         n = damped_modes(modes, most, damping, residual_damping)
@@ -160,13 +170,14 @@ class SpatialBeam:
         loads = load_columns([(_operator(line, *place), True) for place in places], len(mesh.rank))
         found, n = loaded_basis(mesh, loads, n, held)
         residual = Residual(len(found[0]) - n, 0, residual_damping)
+        basis = _by_strain(self._strains(line), found)
         return flexible_body(
-            mesh, _by_strain(self._strains(line), found), damping, residual, second_order, clamped=held is not None,
-            resolution=Resolution(math.sqrt(self.youngs_modulus / self.density), line.h),
-            recover=partial(_recovered, self, line),
+            mesh, basis if stiff is None else stiff.modes(basis), damping, residual, second_order,
+            clamped=held is not None, resolution=Resolution(math.sqrt(self.youngs_modulus / self.density), line.h),
+            recover=partial(_recovered, self, line, stiff), stiffened=None if stiff is None else stiff.by_spin,
             reduction=reduction_by(
                 self.reduce, n, most, damping, interfaces=places, clamped=clamped, second_order=second_order,
-                residual_damping=residual_damping,
+                residual_damping=residual_damping, stiffening=stiffening,
             ),
         )  # fmt: skip
 
@@ -177,6 +188,10 @@ class SpatialBeam:
             for plane, (k, inertia) in enumerate(zip(self._factors(), self._bending(), strict=True)):
                 s[plane] = 12.0 * self.youngs_modulus * inertia / (k * self._shear() * self.area * h * h)
         return BeamMesh(self.elements, self.length, (s[0], s[1]))
+
+    def _section(self) -> Section:
+        Iy, Iz = self.second_moments
+        return Section(self.density * self.area, (self.density * Iy, self.density * Iz))
 
     def _factors(self) -> tuple[float, float]:
         k = self.shear_factor
@@ -225,7 +240,9 @@ class SpatialBeam:
         )
 
 
-def _recovered(beam: SpatialBeam, line: BeamMesh, shapes: FloatArray) -> SpatialLineShapes:
+def _recovered(
+    beam: SpatialBeam, line: BeamMesh, stiff: BeamStiffening | None, shapes: FloatArray
+) -> SpatialLineShapes:
     """What section forces come from, of shapes (f, n)."""
     Iy, Iz = beam.second_moments
     return SpatialLineShapes(
@@ -234,6 +251,8 @@ def _recovered(beam: SpatialBeam, line: BeamMesh, shapes: FloatArray) -> Spatial
         gyration=(Iz / beam.area, Iy / beam.area),
         shear=line.shear,
         shapes=frozen(shapes.reshape(line.elements + 1, DOFS, shapes.shape[1])),
+        spin=NOTHING if stiff is None else frozen(stiff.tension(line.nodes)),
+        given=NOTHING if stiff is None else frozen(stiff.given(line.nodes)),
     )
 
 
@@ -287,12 +306,11 @@ def _locate(beam: SpatialBeam, x: float, y: float, z: float) -> PointOperator:
 
 
 def _operator(line: BeamMesh, x: float, y: float, z: float) -> PointOperator:
-    along = (x + 0.5 * line.length) / line.h
-    element = min(max(int(along), 0), line.elements - 1)
-    move, turn = (field[0] for field in section_fields(line, np.array([along - element])))
+    element, xi = line.at(x)
+    move, turn = (field[0] for field in section_fields(line, xi))
     arm = np.array([0.0, y, z])
     u = move + np.cross(turn.T, arm).T
-    return PointOperator(np.array([x, y, z]), line.rows(element), u.T.copy(), turn.T.copy())
+    return PointOperator(np.array([x, y, z]), line.rows(element[0]), u.T.copy(), turn.T.copy())
 
 
 def _spin(turn: FloatArray, axis: int) -> FloatArray:

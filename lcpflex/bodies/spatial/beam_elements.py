@@ -22,11 +22,12 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-__all__ = ["DOFS", "BeamMesh", "bending_shapes", "gauss_points", "scattered", "section_fields", "strains"]
+__all__ = ["DOFS", "BeamMesh", "bending_shapes", "gauss_points", "gradients", "scattered", "section_fields", "strains"]
 
 DOFS = 6  # of a node
 GAUSS = 4  # points of an element: exact for products of two cubics, or of one with a place
 U, V, W, PHI, B, C = range(DOFS)  # degrees of freedom of a node
+SHEARED = np.array([-1.0, -0.5, 1.0, -0.5])  # h times the shear strain of (v1, h b1, v2, h b2), over s / (1 + s)
 
 
 class BeamMesh(NamedTuple):
@@ -45,6 +46,12 @@ class BeamMesh(NamedTuple):
     def nodes(self) -> FloatArray:
         """(elements + 1,) places of the nodes on the axis [m]."""
         return np.asarray(self.length * (np.arange(self.elements + 1) / self.elements - 0.5))
+
+    def at(self, x: FloatArray | float) -> tuple[IntArray, FloatArray]:
+        """Element (k,) of places on the axis, that behind of a node but the last, and xi (k,) in it."""
+        along = (np.atleast_1d(x) + 0.5 * self.length) / self.h
+        element = np.clip(along.astype(np.int64), 0, self.elements - 1)
+        return element, along - element
 
     def rows(self, element: IntArray | int) -> IntArray:
         """(12,) or (k, 12) degrees of freedom of elements."""
@@ -88,6 +95,20 @@ def section_fields(mesh: BeamMesh, xi: FloatArray) -> tuple[FloatArray, FloatArr
     return move, turn
 
 
+def gradients(mesh: BeamMesh, xi: FloatArray) -> FloatArray:
+    """(k, 3, 12) twist phi' and slopes v', w' of the axis, by the degrees of freedom of their element.
+
+    v' = b + the shear strain, which :func:`strains` has.
+    """
+    h = mesh.h
+    rates = np.zeros((len(xi), 3, 2 * DOFS))
+    rates[:, 0, [PHI, DOFS + PHI]] = np.array([-1.0, 1.0]) / h**2
+    for row, across, slope, s in ((1, V, B, mesh.shear[0]), (2, W, C, mesh.shear[1])):
+        sheared = s / (1.0 + s) * SHEARED
+        rates[:, row, [across, slope, DOFS + across, DOFS + slope]] = (bending_shapes(xi, s)[1] + sheared) / h
+    return rates
+
+
 def strains(mesh: BeamMesh, axial: float, torsion: float, bending: tuple[float, float]) -> csc_matrix[Any]:
     """(rows, f) sparse E with the strain energy |E d|^2 / 2, of E A, G I_t, and E I in the planes xy and xz.
 
@@ -110,7 +131,7 @@ def strains(mesh: BeamMesh, axial: float, torsion: float, bending: tuple[float, 
             parts.append(row)
         if s > 0.0:
             row = np.zeros(2 * DOFS)
-            row[columns] = np.sqrt(12.0 * rigidity * s / h**3) / (1.0 + s) * np.array([1.0, 0.5, -1.0, 0.5])
+            row[columns] = np.sqrt(12.0 * rigidity * s / h**3) / (1.0 + s) * -SHEARED
             parts.append(row)
     block = np.array(parts)
     return scattered(mesh, np.tile(block, (mesh.elements, 1, 1)), np.arange(mesh.elements))

@@ -91,6 +91,8 @@ class SpatialBody:
     products : (n2, n2, 9) entry [l, k, 3 i + j] is <Phi_l,i Phi_k,j> [-], of the first n2 <= n modes: how the inertia
         depends on their coordinates in second order; taken as zero for the others. None: n2 = 0
     cross_damping : (n, n) off-diagonal part of the modal damping matrix [1/s]; None where it is zero
+    geometric : (6, n, n) G_xx, G_yy, G_zz, G_yz, G_zx, G_xy, each symmetric [-]: J is less by eta^T G_ij eta, so that
+        spin adds the stiffness sum_ij omega_i omega_j G_ij; None without stiffening
     points : named material points
     locate : the material point at a place (x, y, z) of the body frame; raises :class:`ModelError` off the body. None:
         any place of a rigid body, and the named points alone of a flexible one
@@ -122,6 +124,7 @@ class SpatialBody:
     first: FloatArrayOrNone = field(default=None, repr=False)  # type: ignore[arg-type]
     products: FloatArrayOrNone = field(default=None, repr=False)  # type: ignore[arg-type]
     cross_damping: FloatArray | None = field(default=None, repr=False)
+    geometric: FloatArray | None = field(default=None, repr=False)
     points: MappingOrNone = field(default=None, repr=False)  # type: ignore[arg-type]
     locate: CallableOrNone = field(default=None, repr=False)  # type: ignore[assignment]
     nodes: Callable[[Sequence[int] | int, Sequence[float] | None], SpatialPoint] | None = field(
@@ -146,7 +149,8 @@ class SpatialBody:
                 object.__setattr__(self, name, value)
         shapes: dict[str, tuple[int, ...]] = {
             "moment": (3,), "origin": (3,), "stiffness": (n,), "damping": (n,), "S": (n, 3), "first": (n, 9),
-            "products": (-1, -1, 9), "cross_damping": (n, n), "second": (3, 3), "inertia": (3, 3),
+            "products": (-1, -1, 9), "cross_damping": (n, n), "geometric": (6, n, n),
+            "second": (3, 3), "inertia": (3, 3),
         }  # fmt: skip
         for name, shape in shapes.items():
             value = getattr(self, name)
@@ -159,6 +163,8 @@ class SpatialBody:
             raise ModelError("stiffness, damping: expected elastic modes only, stiffness > 0 and damping >= 0")
         if self.cross_damping is not None and np.abs(np.diag(self.cross_damping)).any():
             raise ModelError("cross_damping: its diagonal belongs into damping, expected zeros there")
+        if self.geometric is not None and not np.array_equal(self.geometric, self.geometric.transpose(0, 2, 1)):
+            raise ModelError("geometric: a matrix that was given is not symmetric, expected G_ij = G_ij^T")
         object.__setattr__(self, "residual_modes", whole_number("residual_modes", self.residual_modes, 0, n))
         self._check_others(n)
         if not isinstance(self.mesh_modes, MeshModes | None):

@@ -41,7 +41,7 @@ def check_deformation(deformation: Any) -> None:
     if not isinstance(deformation, str) or deformation != "linear":
         raise ModelError(
             f"deformation: {shown(deformation)} was given, expected 'linear': the material moves by a linear function "
-            "of the modal coordinates, and spin or axial force do not stiffen it"
+            "of the modal coordinates; what spin and axial force do to a beam is asked for by stiffening="
         )
 
 
@@ -55,6 +55,7 @@ def flexible_body(
     clamped: bool,
     resolution: Resolution | None = None,
     recover: Callable[[FloatArray], SpatialLineShapes] | None = None,
+    stiffened: Callable[[FloatArray, int], FloatArray | None] | None = None,
     reduction: Reduction[SpatialBody] | None = None,
 ) -> SpatialBody:
     """The body of a mesh in an orthonormal basis that diagonalises its stiffness.
@@ -68,6 +69,7 @@ def flexible_body(
     clamped : whether the frame rides on what is held, or is the mean frame
     resolution : what the mesh can resolve
     recover : what section forces are recovered from, of the shapes (f, n)
+    stiffened : shapes (f, n), n2 -> the six matrices G (6, n, n) of what spin stiffens; None for a linear body
     reduction : what makes the body with another number of modes; None where it has no other
 
     Raises
@@ -87,10 +89,11 @@ def flexible_body(
     diagonal, cross = damping_of(mesh.damping, omega2, shapes, damping, residual)
     origin = ORIGIN if clamped else mesh.centre
     found = mesh.integrals(shapes, n2, origin)
+    geometric = None if stiffened is None else stiffened(shapes, n2)
     if not clamped:
         found = _centred(found)
-    elif n2 < n:
-        _check_positive(found, n2)
+    elif n2 < n or geometric is not None:
+        _check_positive(found, n2, geometric)
 
     here = (mesh, shapes, origin)
     return SpatialBody(
@@ -100,6 +103,7 @@ def flexible_body(
         stiffness=omega2,
         damping=diagonal,
         cross_damping=cross,
+        geometric=geometric,
         S=found.S,
         first=found.first.reshape(n, 9),
         products=found.products.reshape(n2, n2, 9),
@@ -116,28 +120,31 @@ def flexible_body(
     )
 
 
-def _check_positive(found: Integrals, n2: int) -> None:
+def _check_positive(found: Integrals, n2: int, geometric: FloatArray | None) -> None:
     """Warn if the mass matrix is indefinite at small deformations by single modes.
 
     In a clamped frame <x Phi_k> is large: it makes products of inertia that only the products of modes, left out here,
-    would balance. The mean frame has none of this.
+    would balance. And many modes that are clamped at an end leave the frame hardly any inertia of its own, of which
+    foreshortening takes more than there is. The mean frame has none of this.
     """
     n = len(found.S)
     radius = math.sqrt(float(np.trace(found.second)))  # by the root of the mass, as modal coordinates are
     for k in range(n):
         for amount in (SLIGHT * radius, -SLIGHT * radius):
-            if _least(found, n2, k, amount) < -1e-12:
+            if _least(found, n2, k, amount, geometric) < -1e-12:
+                told = f"second_order: {n2} of {n} modes" if n2 < n else f"stiffening: it, and {n} modes"
+                remedy = "all modes (second_order=None)" if n2 < n else "fewer modes"
                 warnings.warn(
-                    f"second_order: {n2} of {n} modes in a clamped frame were given, with which the mass matrix is "
-                    f"indefinite when mode {k + 1} deforms the body by {SLIGHT:.0%} of its radius of inertia (root "
-                    "mean square), expected all modes (second_order=None), or the mean frame (clamped=None)",
+                    f"{told} in a clamped frame were given, with which the mass matrix is indefinite when mode {k + 1} "
+                    f"deforms the body by {SLIGHT:.0%} of its radius of inertia (root mean square), expected {remedy}, "
+                    "or the mean frame (clamped=None)",
                     ModelWarning,
                     stacklevel=5,
                 )
                 return
 
 
-def _least(found: Integrals, n2: int, k: int, amount: float) -> float:
+def _least(found: Integrals, n2: int, k: int, amount: float, geometric: FloatArray | None) -> float:
     """The least eigenvalue of what the modes leave of the 6 x 6 rigid inertia, eta_k = amount, scaled to rest."""
     Y = found.first.copy()  # <s Phi_l^T>
     P = found.second + amount * (found.first[k] + found.first[k].T)
@@ -146,6 +153,8 @@ def _least(found: Integrals, n2: int, k: int, amount: float) -> float:
         P += amount**2 * found.products[k, k]
     lever = skew(found.moment + amount * found.S[k])
     turning = np.trace(P) * np.eye(3) - P
+    if geometric is not None:
+        turning -= amount**2 * np.take(geometric[:, k, k], [[0, 5, 4], [5, 1, 3], [4, 3, 2]])
     rigid = np.block([[found.mass * np.eye(3), -lever], [lever, turning]])
     coupled = np.hstack([found.S, skew_part(Y.reshape(-1, 9))])
     at_rest = np.trace(found.second) * np.eye(3) - found.second

@@ -47,8 +47,12 @@ def compile_spatial_bodies(sources: Sequence[SpatialBody]) -> SpatialBodies:
         return frozen(np.concatenate([np.zeros((0, 3)), *(part.reshape(-1, 3) for part in parts)]))
 
     arrays: dict[str, Any] = {name: joined(name) for name in ("stiffness", "damping")}
-    for name in ("cross_damping", "products"):
-        flat = [np.zeros(0) if getattr(body, name) is None else np.ravel(getattr(body, name)) for body in sources]
+    for name, parts in (
+        ("cross_damping", [body.cross_damping for body in sources]),
+        ("products", [body.products for body in sources]),
+        ("geometric", [None if body.geometric is None else np.moveaxis(body.geometric, 0, 2) for body in sources]),
+    ):
+        flat = [np.zeros(0) if part is None else np.ravel(part) for part in parts]
         arrays[f"{name}_start"] = frozen(np.cumsum([0, *map(len, flat)]), np.int64)
         arrays[name] = frozen(np.concatenate([np.zeros(0), *flat]))
     firsts = [_first(body, mean) for body, mean in zip(sources, centred, strict=True)]

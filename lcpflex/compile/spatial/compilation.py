@@ -9,7 +9,7 @@ import numpy as np
 
 from lcpflex.bodies.spatial.shapes import CapsuleShape, CylinderShape, Shape, SphereShape, SurfaceShape
 from lcpflex.compile.compiled_scene import CompiledScene, Layout
-from lcpflex.compile.consistency import consistent_start, start_apart
+from lcpflex.compile.consistency import consistent_start, refuse_overbent, start_apart
 from lcpflex.compile.spatial.assembly import SpatialAssembly
 from lcpflex.compile.spatial.bodies import compile_spatial_bodies
 from lcpflex.compile.spatial.contacts import compile_spatial_contacts
@@ -81,6 +81,7 @@ def compiled_spatial_scene(
     external = np.zeros((assembly.signals.n_external, 3))
     for callback in callbacks:  # a trial: what is wrong with a function is said before time is spent
         callback.fill(0.0, assembly.state, external)
+    refuse_overbent(model, q, layout.bodies)  # type: ignore[arg-type]  # of either dimension
     size = spatial_size(parts, model, q)
     misfits: tuple[str, ...] = ()
     if parts.joints:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from lcpflex.dynamics.inertia import add_row_product
-from lcpflex.dynamics.spatial.inertia import SpatialArrow, add_products, deform, symmetric
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.dynamics.spatial.inertia import PARTS, SpatialArrow, add_products, deform, spin_stiffens, symmetric
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.kinematics.spatial.rotations import (
     Vector,
     cross,
@@ -24,6 +24,9 @@ def inertial_forces(bodies: SpatialBodies, q: FloatArray, u: FloatArray, work: S
     h_R = -A(omega x (omega x d) + 2 omega x S etadot),
     h_theta = -omega x (J omega + C etadot) - Jdot omega,   Jdot = 2 tr(Q) I - Q - Q^T,   Q = sum_k etadot_k Y_k,
     h_k = |omega|^2 tr Y_k - omega.Y_k omega - 2 sum_l etadot_l omega.<Phi_l x Phi_k>
+
+    and for what spin stiffens (J has its part of it) h_k -= sum_ij omega_i omega_j (G_ij eta)_k, and of Jdot_ij
+    -2 etadot.G_ij eta.
     """
     for b in range(len(bodies.mass)):
         if bodies.dof[b + 1] - bodies.dof[b] > N_RIGID:
@@ -89,12 +92,40 @@ def flexible_inertia(
     tx -= 2.0 * (yy + zz) * ox - (xy + yx) * oy - (zx + xz) * oz
     ty -= 2.0 * (zz + xx) * oy - (yz + zy) * oz - (xy + yx) * ox
     tz -= 2.0 * (xx + yy) * oz - (zx + xz) * ox - (yz + zy) * oy
+    if spin_stiffens(bodies, b):
+        more_x, more_y, more_z = resist_spin(bodies, u, b, work, force)
+        tx, ty, tz = tx + more_x, ty + more_y, tz + more_z
     arm = work.arm[b, 0], work.arm[b, 1], work.arm[b, 2]
     fx, fy, fz = cross((2.0 * sx, 2.0 * sy, 2.0 * sz), omega)
     gx, gy, gz = cross(omega, cross(arm, omega))
     fx, fy, fz = out_of_body(bodies, q, b, (fx + gx, fy + gy, fz + gz))
     force[d], force[d + 1], force[d + 2] = fx, fy, fz
     force[d + 3], force[d + 4], force[d + 5] = tx, ty, tz
+
+
+@late_kernel
+def resist_spin(
+    bodies: SpatialBodies, u: FloatArray, b: int, work: SpatialArrow, force: FloatArray
+) -> tuple[float, float, float]:
+    """The modal entries of force -= sum_ij omega_i omega_j G_ij eta; returns the torque, 2 etadot.G_ij eta omega_j."""
+    d = bodies.dof[b]
+    first = d - N_RIGID * b
+    x, y, z = u[d + 3], u[d + 4], u[d + 5]
+    xx, yy, zz, yz, zx, xy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    pull = work.pull
+    for k in range(bodies.dof[b + 1] - d - N_RIGID):
+        o = PARTS * (first + k)
+        own = x * x * pull[o] + y * y * pull[o + 1] + z * z * pull[o + 2]
+        mixed = y * z * pull[o + 3] + z * x * pull[o + 4] + x * y * pull[o + 5]
+        force[d + N_RIGID + k] -= own + 2.0 * mixed
+        rate = 2.0 * u[d + N_RIGID + k]
+        xx += rate * pull[o]
+        yy += rate * pull[o + 1]
+        zz += rate * pull[o + 2]
+        yz += rate * pull[o + 3]
+        zx += rate * pull[o + 4]
+        xy += rate * pull[o + 5]
+    return xx * x + xy * y + zx * z, xy * x + yy * y + yz * z, zx * x + yz * y + zz * z
 
 
 @kernel

@@ -178,4 +178,4 @@ def product(work: SpatialWork, b: int, u: FloatArray) -> float:
 
 @kernel
 def spare_spin(model: SpatialModel, lean: float, u: FloatArray, work: SpatialWork) -> None:
-    """Nothing: spatial bodies are not stiffened by spin."""
+    """Nothing: the force that stiffens is taken again at the mean velocity, where its torque has no mean."""

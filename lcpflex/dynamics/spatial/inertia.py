@@ -10,6 +10,16 @@ and its inverse needs the Schur complement of the first six alone; of the rotati
 s0 = 0 (a mean frame about the mass centre). No factor depends on A, by which right-hand sides are turned. alpha_c =
 alpha_k = 0 gives the mass matrix; alpha_c = theta h, alpha_k = (theta h)^2 the iteration matrix of an implicit step.
 Products <Phi_l Phi_k^T> count between the first n2 modes of a body, in all terms at once: T stays one quadratic form.
+
+Spin stiffens a body that has six matrices G_ij (n, n). Its material lies at x + Phi eta + s2(eta), with s2 of second
+order: a beam that is bent is drawn together. Of T what s2 adds to <|omega x s|^2> / 2 is kept,
+
+    T <- T - 1/2 sum_ij omega_i omega_j eta^T G_ij eta,     J_ij <- J_ij - eta^T G_ij eta,
+
+so that the stiffness sum_ij omega_i omega_j G_ij, the torque of Jdot, energy and angular momentum are those of one J.
+What s2 adds to the mass centre and to the momentum of the modes is left out, as in the plane: neither weight nor the
+acceleration of the place that is held stiffens.
+
 Source: Zwoelfer & Gerstmayr (2020), nodal-based floating frame of reference; Shabana, Dynamics of Multibody Systems.
 """
 
@@ -20,22 +30,25 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.kinematics.spatial.rotations import Vector, rotation_matrix
 from lcpflex.model.spatial import N_PLACE, N_RIGID, SpatialBodies
 
 __all__ = [
+    "PARTS",
     "SpatialArrow",
     "SpatialWork",
     "add_products",
     "deform",
     "factorise",
     "factors",
+    "spin_stiffens",
     "symmetric",
 ]
 
 FACTOR = 21  # entries of a lower triangle of six rows
+PARTS = 6  # of J and of G: xx, yy, zz, yz, zx, xy
 
 
 @struct
@@ -51,6 +64,7 @@ class SpatialArrow:
     axes: FloatArray = array("bodies", 9)  # A there
     diagonal: FloatArray = array("modes")  # e
     lower: FloatArray = array("bodies", FACTOR)  # Cholesky factor by rows, 1 / its diagonal: of three rows, if centred
+    pull: FloatArray = array("pulls")  # G_ij eta of each mode, in the order of J; of bodies that have G
     swing: FloatArray = array("moments")  # sum_l etadot_l <Phi_l Phi_k^T> of each mode; scratch
     six: FloatArray = array(N_RIGID)  # scratch
     spin: FloatArray = array("ndof")  # inertial forces of the last velocity
@@ -69,6 +83,7 @@ def factors(bodies: SpatialBodies) -> SpatialArrow:
     n_modes = len(bodies.stiffness)
     sizes = {"bodies": len(bodies.mass), "modes": n_modes, "moments": 9 * n_modes, "ndof": int(bodies.dof[-1])}
     sizes["places"] = int(bodies.place[-1])
+    sizes["pulls"] = PARTS * n_modes if len(bodies.geometric) else 0
     P = np.asarray(bodies.second)
     J = np.trace(P, axis1=1, axis2=2)[:, None, None] * np.eye(3) - P
     return allocate(
@@ -82,7 +97,7 @@ def factors(bodies: SpatialBodies) -> SpatialArrow:
 
 @kernel
 def add_products(products: FloatArray, x: FloatArray, out: FloatArray) -> None:
-    """out (n, 9) += sum_l x_l <Phi_l Phi_k^T>, all flat.
+    """out (n, 9) += sum_l x_l <Phi_l Phi_k^T>, all flat; or (n, 6) += sum_l x_l G_lk.
 
     Row by row and four at a time, so that all memory is passed in order and one instruction serves several columns.
     """
@@ -162,6 +177,32 @@ def deform_anew(bodies: SpatialBodies, q: FloatArray, b: int, work: SpatialArrow
     J[b, 3] = -yz
     J[b, 4] = -zx
     J[b, 5] = -xy
+    if spin_stiffens(bodies, b):
+        shorten(bodies, b, work)
+
+
+@kernel
+def spin_stiffens(bodies: SpatialBodies, b: int) -> bool:
+    """Whether body b has G."""
+    return len(bodies.geometric) > 0 and bodies.geometric_start[b + 1] > bodies.geometric_start[b]
+
+
+@late_kernel
+def shorten(bodies: SpatialBodies, b: int, work: SpatialArrow) -> None:
+    """``work.pull`` of body b at the eta that ``deform_anew`` is at, and J less eta^T G eta."""
+    first = bodies.dof[b] - N_RIGID * b
+    n = bodies.dof[b + 1] - bodies.dof[b] - N_RIGID
+    start = bodies.geometric_start[b]
+    eta = work.at[first : first + n]
+    pull = work.pull[PARTS * first : PARTS * (first + n)]
+    for k in range(len(pull)):
+        pull[k] = 0.0
+    add_products(bodies.geometric[start : start + PARTS * n * n], eta, pull)
+    for i in range(PARTS):
+        total = 0.0
+        for k in range(n):
+            total += eta[k] * pull[PARTS * k + i]
+        work.inertia[b, i] -= total
 
 
 @kernel

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from lcpflex.dynamics.spatial.inertia import PARTS
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.kinematics.spatial.rotations import axes_at
 from lcpflex.model.spatial import N_PLACE, N_RIGID, SpatialBodies, SpatialModel
 
-__all__ = ["N_RIGID", "elastic_matrices", "mass_matrix"]
+__all__ = ["N_RIGID", "body_mass_matrix", "elastic_matrices", "mass_matrix", "overbent"]
 
 
 def mass_matrix(model: SpatialModel, q: FloatArray) -> FloatArray:
@@ -21,7 +22,7 @@ def mass_matrix(model: SpatialModel, q: FloatArray) -> FloatArray:
     M = np.zeros((dof[-1], dof[-1]))
     for b in range(len(dof) - 1):
         block = slice(dof[b], dof[b + 1])
-        M[block, block] = _block(model.bodies, b, q)
+        M[block, block] = body_mass_matrix(model.bodies, b, q)
     return M
 
 
@@ -41,8 +42,14 @@ def elastic_matrices(bodies: SpatialBodies) -> tuple[FloatArray, FloatArray]:
     return K, C
 
 
-def _block(bodies: SpatialBodies, b: int, q: FloatArray) -> FloatArray:
-    """M of body b."""
+def overbent(bodies: SpatialBodies, q: FloatArray) -> list[int]:
+    """Bodies that are stiffened by spin and so bent that foreshortening takes all their inertia: M is not positive."""
+    stiffened = np.flatnonzero(np.diff(bodies.geometric_start)).tolist() if len(bodies.geometric) else []
+    return [b for b in stiffened if not np.linalg.eigvalsh(body_mass_matrix(bodies, b, q))[0] > 0.0]
+
+
+def body_mass_matrix(bodies: SpatialBodies, b: int, q: FloatArray) -> FloatArray:
+    """M (6 + n, 6 + n) of body b at the configuration q of all."""
     first, last = (int(bodies.dof[b + i]) - N_RIGID * (b + i) for i in (0, 1))
     i = int(bodies.place[b])
     A, eta = axes_at(q, i), q[i + N_PLACE : i + N_PLACE + last - first]
@@ -59,6 +66,11 @@ def _block(bodies: SpatialBodies, b: int, q: FloatArray) -> FloatArray:
     M[:3, :3] *= bodies.mass[b]
     M[:3, 3:6] = -A @ np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     M[3:6, 3:6] = np.trace(P) * np.eye(3) - 0.5 * (P + P.T)
+    start, end = bodies.geometric_start[b : b + 2] if len(bodies.geometric) else (0, 0)
+    if end > start:
+        G = bodies.geometric[start:end].reshape(last - first, last - first, PARTS)
+        less = np.einsum("k,l,kli->i", eta, eta, G)
+        M[3:6, 3:6] -= less[[0, 5, 4, 5, 1, 3, 4, 3, 2]].reshape(3, 3)
     M[:3, 6:], M[3:6, 6:] = A @ S.T, C.T
     M[3:, :3], M[6:, 3:6] = M[:3, 3:].T, C
     return M

@@ -312,7 +312,9 @@ def _refuse_planar(given: Mapping[str, Any], body: object) -> None:
             kind = type(body).__name__ if hasattr(body, "reduce") else "SpatialBeam"
             told = ", ".join(f"{key}={shown(given[key])}" for key in ("modes", "damping") if key in given)
             words = f"expected a body that is reduced before it is added: scene.add({kind}(...).reduce({told}))"
-        elif name in ("stiffening", "residual_damping", "contact_nodes"):
+        elif name == "stiffening":
+            words = "expected a beam that is reduced before it is added: SpatialBeam(...).reduce(stiffening=...)"
+        elif name in ("residual_damping", "contact_nodes"):
             words = "expected none: bodies of space are reduced by .reduce(modes=..., interfaces=...) before"
         else:
             raise TypeError(f"SpatialScene.add() got an unexpected keyword argument {name!r}")

@@ -82,6 +82,12 @@ def spatial_bodies_faces() -> list[Face]:
         Face("SpatialBody.at_nodes", lf.SpatialBody.at_nodes, lambda: {"nodes": [0, 1, 2]}, _flexible),
         named("SpatialBeam", **BEAM),
         Face("SpatialBeam.reduce", lf.SpatialBeam.reduce, lambda: {"modes": 2}, lambda: lf.SpatialBeam(**BEAM)),
+        Face(
+            "SpatialBeam.reduce stiffened",
+            lf.SpatialBeam.reduce,
+            lambda: {"modes": 2, "stiffening": lf.Stiffening(axial_force=1.0)},
+            lambda: lf.SpatialBeam(**BEAM),
+        ),
         Face("SpatialMatrices", lf.SpatialMatrices, lambda: dict(_solid())),
         Face(
             "SpatialMatrices.reduce",

@@ -14,7 +14,7 @@ from lcpflex.dynamics.spatial import body_forces as spatial
 from lcpflex.dynamics.spatial.inertia import factors
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Bodies, Loads, Model, empty, frozen
-from lcpflex.model.spatial import SpatialModel
+from lcpflex.model.spatial import SpatialBodies, SpatialModel
 from tests.spatial_bodies import MassBody, in_mean_frame, orthonormal, spatial_model
 
 GRAVITY = (1.3, -9.81)
@@ -40,13 +40,13 @@ def flat_bodies(rng: np.random.Generator) -> list[MassBody]:
     return found
 
 
-def planar_model(bodies: list[MassBody], space: SpatialModel) -> Model:
-    """Their planar arrays, from the definitions in ``Bodies``."""
+def planar_model(bodies: list[MassBody], space: SpatialModel, stiffened: list[FloatArray]) -> Model:
+    """Their planar arrays, from the definitions in ``Bodies``; stiffened: G (n, n) of each."""
     quarter = np.array([[0.0, -1.0], [1.0, 0.0]])
     fields = [(b.mass.sum(axis=0), b.places[:, :2], b.shapes[:, :, :2]) for b in bodies]
     coupling = [np.einsum("p,kpi,ij,lpj->kl", w, phi, quarter.T, phi).ravel() for w, _, phi in fields]
     nowhere = frozen(np.zeros(len(bodies) + 1), np.int64)
-    starts = ("cross_damping_start", "geometric_start", "axial_start", "bending_start", "shortening_start")
+    starts = ("cross_damping_start", "axial_start", "bending_start", "shortening_start")
     made = empty(
         Bodies,
         dof=frozen(np.cumsum([0, *(3 + b.n for b in bodies)]), np.int64),
@@ -60,9 +60,18 @@ def planar_model(bodies: list[MassBody], space: SpatialModel) -> Model:
         damping=space.bodies.damping,
         coupling_start=frozen(np.cumsum([0, *map(len, coupling)]), np.int64),
         coupling=frozen(np.concatenate(coupling)),
+        geometric_start=frozen(np.cumsum([0, *(G.size for G in stiffened)]), np.int64),
+        geometric=frozen(np.concatenate([G.ravel() for G in stiffened])),
         **dict.fromkeys(starts, nowhere),
     )
     return Model(made, *(None,) * 3, empty(Loads, gravity=frozen(GRAVITY)), None)  # type: ignore[arg-type]
+
+
+def stiffened_about_z(bodies: SpatialBodies, stiffened: list[FloatArray]) -> SpatialBodies:
+    """The bodies with G_zz, and what tells of spin about other axes alone: G_yz and G_zx would turn them out of it."""
+    flat = [np.stack([3.0 * G, 2.0 * G, G, 0.0 * G, 0.0 * G, G], axis=2).ravel() for G in stiffened]
+    start = frozen(np.cumsum([0, *map(len, flat)]), np.int64)
+    return bodies._replace(geometric_start=start, geometric=frozen(np.concatenate(flat)))
 
 
 class Twins:
@@ -71,8 +80,10 @@ class Twins:
     def __init__(self) -> None:
         rng = np.random.default_rng(6)
         bodies = flat_bodies(rng)
-        self.space = spatial_model(bodies, (*GRAVITY, 0.0))
-        self.plane = planar_model(bodies, self.space)
+        G = [0.1 * (one + one.T) for one in (np.random.default_rng(n).normal(size=(n, n)) for n in MODES)]
+        plain = spatial_model(bodies, (*GRAVITY, 0.0))
+        self.space = plain._replace(bodies=stiffened_about_z(plain.bodies, G))
+        self.plane = planar_model(bodies, self.space, G)
         self.q, self.u = 0.4 * rng.normal(size=(2, self.plane.bodies.dof[-1]))
         self.spatial_q, self.spatial_u = np.zeros(self.space.bodies.place[-1]), np.zeros(self.space.bodies.dof[-1])
         self.same = np.zeros(len(self.u), dtype=np.int64)  # entries of u in space that are those of the plane
