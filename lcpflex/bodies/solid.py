@@ -16,7 +16,7 @@ from lcpflex.bodies.fem.checked_mesh import spatial_mesh
 from lcpflex.bodies.fem.elastic_mesh import finite_elements_of
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.hex_mesh import HexMesh
-from lcpflex.bodies.fem.length_unit import metres
+from lcpflex.bodies.fem.length_unit import check_size, metres
 from lcpflex.bodies.fem.material import check_material
 from lcpflex.bodies.fem.mesh import KINDS, Mesh
 from lcpflex.bodies.fem.stiffness_error import stiffness_error
@@ -86,6 +86,7 @@ class Solid:
         lame = lame_constants(self.youngs_modulus, self.poissons_ratio, plane_stress=False)
         mesh = spatial_mesh(self.mesh, metres(self.length_unit))
         _tell_linear(mesh)
+        check_size(self, mesh)
         solid = ElasticSolid(mesh, self.density, lame, 1.0)
         speed = math.sqrt(self.youngs_modulus / self.density)
         object.__setattr__(self, "_finite_elements", finite_elements_of(solid, self.sets, speed))
@@ -112,7 +113,8 @@ class Solid:
             Elements within the radius, 8 finest if omitted, are at most as long as ``finest`` and grow from there to
             ``size``; the faces there have that name
         elements : numbers along x, y, z, in the place of ``size``
-        **material : ``density``, ``youngs_modulus``, ``poissons_ratio`` and ``sets``, as for :class:`Solid`
+        **material : ``density``, ``youngs_modulus``, ``poissons_ratio``, ``sets``, and ``length_unit`` of all lengths
+            here, as for :class:`Solid`
         """
         return cls._shaped(shapes.box(sizes, size, near=near, elements=elements), material)
 
@@ -163,9 +165,8 @@ class Solid:
     @classmethod
     def _shaped(cls, mesh: HexMesh, material: dict[str, Any]) -> Solid:
         """Of a mesh that was made here."""
-        for name in ("mesh", "length_unit"):
-            if name in material:
-                raise ModelError(f"{name}: it was given, expected it for Solid(mesh, ...) alone")
+        if "mesh" in material:
+            raise ModelError("mesh: it was given, expected it for Solid(mesh, ...) alone")
         made = Mesh(KINDS["hexahedron"], mesh.places, mesh.cells, source="mesh", faces=mesh.faces)
         return cls(made, **material)
 

@@ -9,15 +9,14 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from lcpflex.bodies.fem.mesh import KINDS
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["BoolArray", "HexMesh", "boundary_quads", "grid_cells", "layered", "with_faces"]
 
 BoolArray: TypeAlias = np.ndarray[Any, np.dtype[np.bool_]]
 
-# of an element: corners of its faces, counter-clockwise seen from outside, and of its edges
-FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
-EDGES = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]])
+FACES = np.array(KINDS["hexahedron"].facets)  # of an element: corners, counter-clockwise seen from outside
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +37,7 @@ class HexMesh:
     def longest_edges(self) -> FloatArray:
         """(m,) the longest edge of each element [m]."""
         longest = np.zeros(len(self.cells))
-        for a, b in EDGES:  # one after the other: all at once would take twelve times the memory
+        for a, b in KINDS["hexahedron"].pairs:  # one after the other: all at once would take twelve times the memory
             arms = self.places[self.cells[:, b]] - self.places[self.cells[:, a]]
             np.maximum(longest, np.linalg.norm(arms, axis=1), out=longest)
         return longest

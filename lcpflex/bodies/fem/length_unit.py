@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.basics.arguments import one_of, positive
+from lcpflex.bodies.fem.facets import outer_facets
 from lcpflex.bodies.fem.material import SPEEDS
 from lcpflex.bodies.fem.mesh import Mesh
 from lcpflex.errors import ModelWarning
@@ -42,7 +43,8 @@ def check_size(part: Any, mesh: Mesh) -> None:
     """Warn of a body that is larger than solids of its material are, unless it has a ``length_unit``.
 
     Its mesh is in another unit, most likely. The mean width 2 A / P, A the area of the mesh and P the length of its
-    boundary, lets slender and hollow bodies be as long as they like; a mesh from a file is suspected sooner.
+    boundary, in space 3 V / A, lets slender and hollow bodies be as long as they like; a mesh from a file is suspected
+    sooner.
 
     part: a body of the mesh. mesh: checked, in metres.
     """
@@ -51,11 +53,12 @@ def check_size(part: Any, mesh: Mesh) -> None:
     E, density = part.youngs_modulus, part.density
     if math.sqrt(E / density) > SPEEDS[1]:  # the material is not in SI, which is told
         return
-    (area, width), extent = _area_and_width(mesh), mesh.size
+    (content, width), extent = (_area_and_width if mesh.kind.dimension == 2 else _volume_and_width)(mesh), mesh.size
     metal = METAL[0] <= E and METAL[1] <= density
     polymer = POLYMER[0] >= E and POLYMER[1][0] <= density <= POLYMER[1][1]
     drawn = isinstance(part.mesh, (str, os.PathLike)) and (metal or polymer) and extent > DRAWN
-    heavy = metal and density * area * getattr(part, "thickness", 0.0) > HEAVIEST
+    thickness = getattr(part, "thickness", 0.0) if mesh.kind.dimension == 2 else 1.0
+    heavy = metal and density * content * thickness > HEAVIEST
     if not (drawn or heavy or width > (THICKEST if metal else WIDEST)):
         return
     speed = math.sqrt(E / density)
@@ -107,3 +110,15 @@ def _area_and_width(mesh: Mesh) -> tuple[float, float]:
     _, first, count = np.unique(mesh.edge_keys(), return_index=True, return_counts=True)
     around = float(lengths[first[count == 1]].sum())
     return area, 2.0 * area / around if around > 0.0 else 0.0  # elements that overlap, which others refuse
+
+
+def _volume_and_width(mesh: Mesh) -> tuple[float, float]:
+    """V [m^3] and 3 V / A [m] of the corners of the elements, by the triangles of their boundary."""
+    at = mesh.places[outer_facets(mesh)[:, : mesh.kind.facet_corners]]
+    arms = at - at.mean(axis=(0, 1))
+    volume, area = 0.0, 0.0
+    for k in range(1, mesh.kind.facet_corners - 1):
+        a, b, c = arms[:, 0], arms[:, k], arms[:, k + 1]
+        volume += float(np.einsum("ti,ti->", a, np.cross(b, c))) / 6.0
+        area += 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+    return volume, 3.0 * volume / area

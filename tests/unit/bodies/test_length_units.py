@@ -10,6 +10,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.errors import ModelError, ModelWarning
+from tests import libs
 
 STEEL = (7800.0, 2e11, 0.3)
 ALUMINIUM = (2700.0, 7e10, 0.33)
@@ -140,3 +141,57 @@ class TestSuspects:
             warnings.simplefilter("error", ModelWarning)
             warnings.filterwarnings("ignore", message="mesh.* its stiffness")
             lf.Continuum(saved(tmp_path / "x.vtu", mesh()), *material, thickness=thickness)
+
+
+BOXES: dict[str, Any] = {  # sizes and materials of solids that are sensible
+    "a watch spring": ((0.02, 1e-3, 1e-4), STEEL),
+    "the frame of a press": ((8.0, 4.0, 1.5), STEEL),
+    "a plate of a bridge": ((100.0, 20.0, 0.03), STEEL),
+    "a wall of concrete": ((40.0, 10.0, 0.3), CONCRETE),
+    "a dam": ((60.0, 80.0, 50.0), CONCRETE),
+    "a seal": ((0.1, 0.01, 0.01), RUBBER),
+    "numbers without units": ((100.0, 10.0, 10.0), (1.0, 1.0, 0.3)),
+}
+
+
+def solid_box(sizes, material, **more):
+    density, youngs_modulus, poissons_ratio = material
+    return lf.Solid.box(
+        sizes, max(sizes) / 4.0, density=density, youngs_modulus=youngs_modulus, poissons_ratio=poissons_ratio, **more
+    )
+
+
+class TestSolids:
+    @pytest.mark.parametrize("material", [STEEL, ALUMINIUM])
+    @pytest.mark.parametrize(
+        ("sizes", "width"), [((100.0, 23.0, 20.0), 14.5), ((400.0, 30.0, 30.0), 21.7), ((60.0, 40.0, 8.0), 9.0)]
+    )
+    def test_one_in_millimetres(self, sizes, width, material):
+        """3 V / A: 3 * 60 * 40 * 8 / (2 (60 * 40 + 60 * 8 + 40 * 8)) = 9."""
+        words = rf"{sizes[0]:.0f} m long and {width:g} m wide in the mean.*length_unit='mm' makes it"
+        with pytest.warns(ModelWarning, match=words):
+            solid_box(sizes, material)
+
+    @pytest.mark.parametrize("name", BOXES)
+    def test_what_is_sensible_is_left_in_peace(self, name):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", ModelWarning)
+            solid_box(*BOXES[name])
+
+    def test_one_who_says_it_means_it(self):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", ModelWarning)
+            solid_box((100.0, 23.0, 20.0), STEEL, length_unit="m")
+
+    @pytest.mark.parametrize("unit", UNITS)
+    def test_a_shape_in_it_is_the_body_in_metres(self, unit):
+        factor = UNITS[unit]
+        given = solid_box((0.1 / factor, 0.02 / factor, 0.03 / factor), STEEL, length_unit=unit).finite_elements()
+        known = solid_box((0.1, 0.02, 0.03), STEEL).finite_elements()
+        assert given.places == pytest.approx(known.places, rel=1e-12, abs=1e-16)
+        assert given.stiffness.diagonal() == pytest.approx(known.stiffness.diagonal(), rel=1e-9)
+
+    def test_tetrahedra_have_the_width_of_their_boundary(self):
+        mesh = libs.skfem.MeshTet2.from_mesh(libs.skfem.MeshTet().refined(2).scaled((60.0, 40.0, 8.0)))
+        with pytest.warns(ModelWarning, match="60 m long and 9 m wide in the mean"):
+            lf.Solid(mesh, *STEEL)
