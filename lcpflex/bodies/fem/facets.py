@@ -25,9 +25,9 @@ def outer_facets(mesh: Mesh) -> IntArray:
     kind, key = mesh.kind, mesh.facet_keys()
     walked = mesh.cells[:, np.array(kind.facets)].reshape(len(key), -1)
     _, first, number, uses = np.unique(key, return_index=True, return_inverse=True, return_counts=True)
-    name = "edge" if kind.dimension == 2 else "face"
+    name = "an edge" if kind.dimension == 2 else "a face"
     if uses.max() > 2:
-        refuse(mesh, int(walked[first[uses.argmax()], 0]), f"{uses.max()} elements share an {name}", "at most two")
+        refuse(mesh, int(walked[first[uses.argmax()], 0]), f"{uses.max()} elements share {name}", "at most two")
     inner = np.flatnonzero(uses == 2)
     order = np.argsort(number.ravel(), kind="stable")
     rows = order[np.searchsorted(number.ravel()[order], inner)[:, None] + [0, 1]]
@@ -36,7 +36,7 @@ def outer_facets(mesh: Mesh) -> IntArray:
     same = _ways(pairs[:, 0, :corners]) == _ways(pairs[:, 1, :corners])
     if same.any():
         where = int(same.argmax())
-        fault = f"two elements lie on the same side of an {name}"
+        fault = f"two elements lie on the same side of {name}"
         if kind.dimension == 3:
             i, j = rows[where] // len(kind.facets)
             fault = f"elements {i} and {j} lie on the same side of a face (one is inverted, or they overlap)"
@@ -45,7 +45,7 @@ def outer_facets(mesh: Mesh) -> IntArray:
     apart = (amid[:, 0] != amid[:, 1]).any(axis=1)
     if apart.any():
         where = int(apart.argmax())
-        refuse(mesh, int(pairs[where, 0, corners]), f"an {name} has two nodes amid it", "one that both elements share")
+        refuse(mesh, int(pairs[where, 0, corners]), f"{name} has two nodes amid it", "one that both elements share")
     return np.asarray(walked[first[uses == 1]])
 
 

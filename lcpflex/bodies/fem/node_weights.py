@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from lcpflex.bodies.fem.assembly import mass_matrix
 from lcpflex.bodies.fem.faces import areas_of, split_facets
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -14,11 +17,11 @@ __all__ = ["node_weights"]
 def node_weights(mesh: FiniteElements, nodes: IntArray) -> FloatArray:
     """(k,) weights > 0 of some nodes, of sum 1: their shares of what they make up together.
 
-    Where all of them are nodes of elements that are in the set as a whole, by the diagonal of the mass; of faces in the
-    set, by area; of edges of the surface in the set, by length. So a set that is finely meshed at one end has its mean
-    where the material has it. Shares are those of linear parts of the facets, four of a quadratic one: those of its own
-    shape functions are zero or negative at its corners. Other nodes, and those of a mesh whose elements are not known,
-    count alike.
+    Where all of them are nodes of elements that are in the set as a whole, by the diagonal of their mass; of faces in
+    the set, by area; of edges of the surface in the set, by length. So a set that is finely meshed at one end has its
+    mean where the material has it. Shares are those of linear parts of the facets, four of a quadratic one: those of
+    its own shape functions are zero or negative at its corners. Other nodes, and those of a mesh whose elements are not
+    known, count alike.
     """
     chosen = np.zeros(len(mesh.places), dtype=np.bool_)
     chosen[nodes] = True
@@ -30,12 +33,11 @@ def node_weights(mesh: FiniteElements, nodes: IntArray) -> FloatArray:
 
 
 def _by_elements(mesh: FiniteElements, chosen: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> FloatArray:
-    shares = np.zeros(len(chosen))
-    if mesh.solid is not None:
-        cells = mesh.solid.mesh.cells
-        inside = np.unique(cells[chosen[cells].all(axis=1)])
-        shares[inside] = mesh.mass.diagonal()[:: mesh.dimension][inside]
-    return shares
+    if mesh.solid is None:
+        return np.zeros(len(chosen))
+    whole = mesh.solid.mesh
+    inside = replace(whole, cells=whole.cells[chosen[whole.cells].all(axis=1)])
+    return np.asarray(mass_matrix(replace(mesh.solid, mesh=inside)).diagonal()[:: mesh.dimension])
 
 
 def _by_area(mesh: FiniteElements, chosen: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> FloatArray:

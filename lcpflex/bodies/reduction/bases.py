@@ -47,6 +47,7 @@ __all__ = [
     "given_basis",
     "held_factor",
     "interface_basis",
+    "left_loose",
     "loaded_basis",
     "regional_basis",
     "regional_count",
@@ -221,13 +222,13 @@ def constraint_columns(
     f = len(rank)
     moving = held if free < 0 else held[:free]
     inner = np.setdiff1d(np.arange(f), held)
-    n = count_of_modes(modes, len(inner), "modes with its boundary held; None takes all")
+    left = left_loose(mesh.rigid, held) if loose else np.zeros((f, 0))
+    n = count_of_modes(modes, len(inner) - left.shape[1], "modes with its boundary held; None takes all")
     columns = len(moving) + n
     check_memory("boundary, modes", f, SHARE * columns)
     basis = np.zeros((f, columns))
     basis[moving, np.arange(len(moving))] = 1.0
     check_mass(mesh.mass)
-    left = _left_loose(mesh.rigid, held) if loose else np.zeros((f, 0))
     if left.shape[1]:
         return _loose_columns(mesh, inner, moving, basis, left)
     if len(inner):
@@ -242,7 +243,7 @@ def constraint_columns(
     return basis
 
 
-def _left_loose(rigid: FloatArray, held: IntArray) -> FloatArray:
+def left_loose(rigid: FloatArray, held: IntArray) -> FloatArray:
     """(f, z) rigid motions that do not move the rows that are held."""
     scaled = rigid / np.abs(rigid).max(axis=0)
     _, size, ways = np.linalg.svd(scaled[held], full_matrices=True)

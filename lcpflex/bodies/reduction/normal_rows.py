@@ -10,7 +10,7 @@ import numpy as np
 from lcpflex.basics import libs
 from lcpflex.bodies.fem.faces import split_facets
 from lcpflex.bodies.fem.finite_elements import FiniteElements
-from lcpflex.bodies.reduction.bases import Basis, constraint_columns, enough_nodes
+from lcpflex.bodies.reduction.bases import Basis, constraint_columns, enough_nodes, left_loose
 from lcpflex.bodies.reduction.eigenmodes import orthonormal_frame
 from lcpflex.bodies.reduction.orthonormal_basis import own_basis
 from lcpflex.errors import ModelError
@@ -76,10 +76,10 @@ class _Turned:
     rank: IntArray
 
 
-def normal_boundary_basis(mesh: FiniteElements, nodes: IntArray, modes: int | None) -> Basis:
+def normal_boundary_basis(mesh: FiniteElements, nodes: IntArray, modes: int | None) -> tuple[Basis, int]:
     """Constraint modes of the normal displacements at nodes, and modes of the mesh held by these alone.
 
-    A flat face leaves the mesh three rigid motions, which stay among the columns.
+    A flat face leaves the mesh three rigid motions, which stay among the columns. Also the number of modes there are.
     """
     turn = _turning(mesh, nodes)
     turned = _Turned(
@@ -91,7 +91,8 @@ def normal_boundary_basis(mesh: FiniteElements, nodes: IntArray, modes: int | No
     words = ("boundary: with the normal displacements of its nodes held", enough_nodes(mesh))
     columns = turn @ constraint_columns(turned, 3 * nodes, modes, words, loose=True)
     frame = orthonormal_frame(mesh.mass, mesh.rigid)
-    return own_basis(mesh.mass, mesh.stiffness, frame, columns, holds_rigid=True)
+    most = len(mesh.dofs) - len(nodes) - left_loose(turned.rigid, 3 * nodes).shape[1]
+    return own_basis(mesh.mass, mesh.stiffness, frame, columns, holds_rigid=True), most
 
 
 def _turning(mesh: FiniteElements, nodes: IntArray) -> Any:

@@ -126,6 +126,8 @@ def prestressed(mesh: FiniteElements, stiffening: Stiffening | None) -> FiniteEl
         revolution, and a mesh whose elements are not known.
     """
     check_stiffening(stiffening)
+    if stiffening is not None and mesh.dimension == 3:
+        raise ModelError(f"stiffening: {shown(stiffening)} was given for a solid in space, expected None")
     if stiffening is None or stiffening.axial_force == 0.0:
         return mesh
     if stiffening.actual:
@@ -164,6 +166,8 @@ def stiffened_by_spin(mesh: FiniteElements, stiffening: Stiffening | None, shape
         For a place to hold it that it does not have, or a mesh whose elements are not known or that cannot spin.
     """
     check_stiffening(stiffening)
+    if stiffening is not None and mesh.dimension == 3:
+        raise ModelError(f"stiffening: {shown(stiffening)} was given for a solid in space, expected None")
     if stiffening is None or not shapes.shape[1]:
         return None
     _refuse_unknown_stress(mesh)

@@ -192,8 +192,8 @@ def _with_boundary(
     if rows == "normal":
         if held is not None:
             raise ModelError("rows: 'normal' was given besides clamped nodes, expected 'all', or the mean frame")
-        most = f - len(nodes)
-        return normal_boundary_basis(mesh, nodes, modes), most if modes is None else modes, most
+        basis, most = normal_boundary_basis(mesh, nodes, modes)
+        return basis, most if modes is None else modes, most
     own = rows_of(mesh, nodes)
     most = f - len(own if held is None else np.union1d(own, held))
     return boundary_basis(mesh, own, modes, held), most if modes is None else modes, most
