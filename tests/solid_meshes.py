@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
+import pytest
 
+import lcpflex as lf
 from lcpflex.bodies.fem.assembly import reference_corners
 from lcpflex.bodies.fem.mesh import KINDS, Mesh
 from lcpflex.jit.kernel import FloatArray
 from tests import libs
 
-__all__ = ["SOLIDS", "meshed_block"]
+__all__ = ["EDGES", "QUIET", "SOLIDS", "STEEL", "meshed_block", "solid"]
 
+STEEL: dict[str, Any] = {"density": 7850.0, "youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
+EDGES = (0.3, 0.2, 0.1)
+QUIET = pytest.mark.filterwarnings("ignore::lcpflex.ModelWarning")  # coarse meshes are too stiff
 SOLIDS = ("tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27")
 
 
@@ -44,3 +50,8 @@ def meshed_block(
         used, cells = np.unique(np.array(whole), return_inverse=True)
         places, cells = places[used], cells.reshape(-1, chosen.nodes)
     return Mesh(chosen, places if bend is None else bend(places), cells)
+
+
+def solid(kind: str = "tetra10", counts: tuple[int, int, int] = (3, 2, 1), bend: Any = None, **more: Any) -> lf.Solid:
+    """A block of steel."""
+    return lf.Solid(meshed_block(kind, EDGES, counts, bend), **{**STEEL, **more})

@@ -23,6 +23,8 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 __all__ = ["SURFACE", "Faces", "areas_of", "faces_of", "flat_facets", "split_facets"]
 
 SURFACE = "surface"  # the name of all of it
+OPPOSITE = -0.999  # cosine of the normals of faces that lie on each other
+IN_PLANE = 1e-6  # of the size of a face: the distance of another one that lies on it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +62,7 @@ def faces_of(mesh: Mesh, sets: Mapping[str, Any]) -> Faces:
         Where nodes of the surface coincide and are not merged.
     """
     facets = outer_facets(mesh)
-    _tell_unmerged(mesh, np.unique(facets))
+    _tell_unmerged(mesh, facets)
     found = Faces(facets, {SURFACE: np.arange(len(facets))}, {SURFACE: np.unique(facets)})
     given = user_sets(mesh, sets, {SURFACE})
     for name, corners in mesh.faces.items():
@@ -105,20 +107,41 @@ def _rows_of(mesh: Mesh, facets: IntArray, name: str, corners: IntArray) -> IntA
     return np.unique(rows[wanted])
 
 
-def _tell_unmerged(mesh: Mesh, nodes: IntArray) -> None:
-    """Warn of nodes of the surface at one place: the elements are not joined there."""
-    size = mesh.size
-    tree = libs.cKDTree(mesh.places[nodes])
-    pairs = tree.query_pairs(FLAT * size, output_type="ndarray")
-    if not len(pairs):
-        return
-    a, b = nodes[pairs[0]]
+def _tell_unmerged(mesh: Mesh, facets: IntArray) -> None:
+    """Warn of nodes of the surface at one place, and of faces that lie on each other: the body is cut there."""
+    nodes = np.unique(facets)
+    pairs = libs.cKDTree(mesh.places[nodes]).query_pairs(FLAT * mesh.size, output_type="ndarray")
+    if len(pairs):
+        a, b = nodes[pairs[0]]
+        found, place = f"{len(pairs)} pair(s) of nodes of its surface coincide ({a} and {b})", mesh.places[a]
+    else:
+        on = _on_each_other(mesh, facets)
+        if not len(on):
+            return
+        found, place = f"{len(on)} of its faces lie on others, with other nodes", on[0]
     warnings.warn(
-        f"{mesh.source}: {len(pairs)} pair(s) of nodes of its surface coincide and are not merged ({a} and {b} at "
-        f"{told_place(mesh.places[a])}): the body is cut there. Merge them, unless it is a crack",
+        f"{mesh.source}: {found} at {told_place(place)}: the body is cut there. Merge nodes that coincide and let none "
+        "hang on a face, unless it is a crack",
         ModelWarning,
         stacklevel=_LEVEL,
     )
+
+
+def _on_each_other(mesh: Mesh, facets: IntArray) -> FloatArray:
+    """(k, 3) middles of facets that lie in the plane of a larger one or of their like, which looks the other way."""
+    corners = mesh.places[facets[:, : mesh.kind.facet_corners]]
+    middle = corners.mean(axis=1)
+    normal = np.cross(corners[:, 1] - corners[:, -1], corners[:, 2] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    reach = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
+    near = libs.cKDTree(middle).query_ball_point(middle, reach * (1.0 - 1e-9))
+    large = np.repeat(np.arange(len(facets)), [len(one) for one in near])
+    small = np.concatenate([np.asarray(one, dtype=np.int64) for one in near])
+    arm = middle[small] - middle[large]
+    height = np.abs((arm * normal[large]).sum(axis=1))
+    turned = (normal[small] * normal[large]).sum(axis=1)
+    on = (turned < OPPOSITE) & (height < IN_PLANE * reach[large]) & (reach[small] <= reach[large] * (1.0 + 1e-9))
+    return np.asarray(middle[np.unique(small[on])])
 
 
 _LEVEL = 6  # of the caller of the body

@@ -11,26 +11,18 @@ import skfem
 
 import lcpflex as lf
 from lcpflex.bodies.fem.assembly import ElasticSolid, lame_constants, stiffness_matrix
-from lcpflex.bodies.fem.mesh import KINDS, Mesh
 from lcpflex.bodies.spatial.checks import skew
 from lcpflex.jit.kernel import FloatArray
-from tests.solid_meshes import SOLIDS, meshed_block
+from tests.solid_meshes import EDGES, QUIET, SOLIDS, STEEL, meshed_block, solid
 from tests.spatial_inertia import velocity_columns
 
-STEEL: dict[str, Any] = {"density": 7850.0, "youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
-EDGES = (0.3, 0.2, 0.1)
 HZ = 2.0 * math.pi
-QUIET = pytest.mark.filterwarnings("ignore::lcpflex.ModelWarning")
 
 
 def bent(places: FloatArray) -> FloatArray:
     """A block sheared, twisted and bent."""
     x, y, z = places.T
     return np.column_stack([x + 0.3 * z + 0.4 * y**2, y - 0.2 * x * z, z + 0.5 * x * y])
-
-
-def solid(kind: str = "tetra10", counts: tuple[int, int, int] = (3, 2, 1), bend: Any = None, **more: Any) -> lf.Solid:
-    return lf.Solid(meshed_block(kind, EDGES, counts, bend), **{**STEEL, **more})
 
 
 @QUIET
@@ -288,96 +280,6 @@ def test_boundary_rows_along_normals_keep_the_frequencies(kind: str) -> None:
         last = excess
     assert last < 5e-3
     assert np.abs(given.reduce(None, boundary="tip", rows="normal").frequencies()[:5] / exact - 1.0).max() < 1e-7
-
-
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: lf.Solid(3, **STEEL), "mesh: 3 was given, expected a scikit-fem mesh"),
-        (lambda: lf.Solid(skfem.MeshTri(), **STEEL), "mesh: MeshTri1 was given, expected a scikit-fem mesh .MeshTet1"),
-        (lambda: lf.Continuum(skfem.MeshTet(), **STEEL), "mesh: MeshTet1 was given, expected a scikit-fem mesh"),
-        (lambda: solid(sets={"a": lambda x, y, z: x > 9.0}), "no node fulfils the predicate, .*<= z <="),
-        (lambda: solid(sets={"surface": [0]}), "the whole surface has it"),
-        (lambda: solid().reduce(contact=[0], boundary=[1, 2, 3]), "boundary, contact: all were given"),
-        (lambda: solid().reduce(contact=[0], rows="both"), "rows: 'both' was given"),
-        (lambda: solid().reduce(interfaces=[(9.0, 0.0, 0.0)]), r"interfaces\[0\]: x, y, z: .* a place on the body"),
-        (lambda: solid().reduce(interfaces=[lf.Interface(0, along=(1.0, 0.0))]), "expected a direction .x, y, z."),
-        (lambda: lf.craig_bampton(solid(), [0, 1, 2], 3, stiffening=lf.Stiffening()), "given for a solid in space"),
-        (lambda: lf.free_interface(solid(), 3, stiffening=lf.Stiffening()), "given for a solid in space"),
-        (lambda: lf.Solid.box((1, 1, 1), 0.5, **STEEL, length_unit="mm"), "length_unit: it was given"),
-    ],
-)  # fmt: skip
-def test_what_cannot_be_is_refused(make: Any, words: str) -> None:
-    with pytest.raises(lf.ModelError, match=words):
-        make()
-
-
-def damaged(kind: str, cells: Any = None, places: Any = None) -> lf.Solid:
-    mesh = meshed_block(kind, EDGES, (3, 2, 1))
-    skm = {"tetra": skfem.MeshTet1, "hexahedron": skfem.MeshHex1}[kind]
-    from lcpflex.bodies.fem.assembly import own_order
-
-    ours = mesh.cells if cells is None else cells(mesh.cells.copy())
-    theirs = np.empty_like(ours)
-    theirs[:, own_order(KINDS[kind])] = ours
-    at = mesh.places if places is None else places(mesh.places.copy())
-    return lf.Solid(skm(at.T.copy(), theirs.T.copy(), sort_t=False, validate=False), **STEEL)
-
-
-@QUIET
-@pytest.mark.parametrize("kind", ["tetra", "hexahedron"])
-def test_damaged_meshes_are_refused_by_name(kind: str) -> None:
-    def inverted(places: FloatArray) -> FloatArray:
-        places[5] += [0.3, 0.0, 0.0]  # through its neighbours
-        return places
-
-    with pytest.raises(lf.ModelError, match=r"elements .* lie on the same side of a face \(one is inverted|is folded"):
-        damaged(kind, places=inverted)
-
-    def flat(places: FloatArray) -> FloatArray:
-        places[:, 2] = 0.0
-        return places
-
-    with pytest.raises(lf.ModelError, match=r"element 0 at .* has the volume 0"):
-        damaged(kind, places=flat)
-    with pytest.raises(lf.ModelError, match="and a node twice"):
-        damaged(kind, cells=lambda c: np.where(c == 5, 4, c))
-    with pytest.raises(lf.ModelError, match="elements share a face"):
-        damaged(kind, cells=lambda c: np.vstack([c, c[-1:], c[-1:]]))
-    with pytest.raises(lf.ModelError, match="places of the nodes"):
-        damaged(kind, places=lambda p: np.where(p == p[3, 0], np.nan, p))
-    mirrored = damaged(kind, cells=lambda c: c[:, KINDS[kind].turned])
-    assert mirrored.reduce(2).frequencies() == pytest.approx(damaged(kind).reduce(2).frequencies(), rel=1e-9)
-
-
-def test_nodes_that_are_not_merged_are_told() -> None:
-    mesh = meshed_block("hexahedron", EDGES, (3, 1, 1))
-    cut = mesh.cells.copy()
-    double = np.concatenate([mesh.places, mesh.places[mesh.cells[1, [1, 2, 6, 5]]]])
-    cut[2, [0, 3, 7, 4]] = len(mesh.places) + np.arange(4)
-    with pytest.raises(lf.ModelError, match=r"2 parts that share no face .* merge nodes that coincide"):
-        lf.Solid(_as_skfem(double, cut), **STEEL)
-    ring = meshed_block("hexahedron", EDGES, (2, 2, 1))  # cut between two of four elements that meet in a line
-    places, cells = _cut(ring)
-    with pytest.warns(lf.ModelWarning, match="nodes of its surface coincide and are not merged"):
-        lf.Solid(_as_skfem(places, cells), **STEEL)
-
-
-def _as_skfem(places: FloatArray, cells: Any) -> Any:
-    from lcpflex.bodies.fem.assembly import own_order
-
-    theirs = np.empty_like(cells)
-    theirs[:, own_order(KINDS["hexahedron"])] = cells
-    return skfem.MeshHex1(places.T.copy(), theirs.T.copy(), sort_t=False, validate=False)
-
-
-def _cut(mesh: Mesh) -> tuple[FloatArray, Any]:
-    """Of the face between elements 0 and 1 (along y), the two outer nodes doubled in element 1."""
-    outer = [k for k in np.intersect1d(mesh.cells[0], mesh.cells[1]) if mesh.places[k, 0] < 1e-9]
-    cells = mesh.cells.copy()
-    for row, node in enumerate(outer):
-        cells[1][cells[1] == node] = len(mesh.places) + row
-    return np.concatenate([mesh.places, mesh.places[outer]]), cells
 
 
 def test_tetrahedra_of_four_nodes_are_warned_of() -> None:
