@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import numba.core.event as numba_event
     import pandas
     import PIL.Image as image
+    import pypardiso
     import qpsolvers
     import scipy.linalg as linalg
     import scipy.ndimage as ndimage

@@ -2,7 +2,7 @@
 
 A mesh is cut in two halves of equal numbers of nodes, across its longer side; the nodes at the cut that separate them
 come last, and each half is treated likewise (nested dissection, A. George 1973). In a planar mesh of N nodes the factor
-has O(N log N) entries, of a spatial one O(N^(4/3)).
+has O(N log N) entries, of a spatial one O(N^(4/3)). Large ones are left to PARDISO where it is installed.
 """
 
 from __future__ import annotations
@@ -12,6 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.basics import libs
+from lcpflex.bodies.fem import pardiso
+from lcpflex.bodies.fem.factor_cost import PARDISO, SUPERLU, check_reach, cost_of
+from lcpflex.bodies.fem.factors import AT_ONCE, Factor, NotPositive, SuperLuFactor
+from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -21,55 +25,56 @@ __all__ = ["AT_ONCE", "Factor", "NotPositive", "dissection", "links", "positive_
 
 LEAF = 24  # nodes that are not cut any more
 LEVELS = 38  # 3^38 < 2^63
-AT_ONCE = 32  # columns treated together: more cost memory and save no time
-
-
-class NotPositive(ArithmeticError):
-    """The matrix has no factors with positive pivots."""
-
-
-class Factor:
-    """Solves A x = b."""
-
-    __slots__ = ("_lu", "_order")
-
-    def __init__(self, lu: Any, order: IntArray) -> None:
-        self._lu = lu
-        self._order = order
-
-    def solve(self, right: FloatArray) -> FloatArray:
-        """x of b (n,) or (n, k)."""
-        out = np.empty(right.shape)
-        if right.ndim == 1:
-            out[self._order] = self._lu.solve(right[self._order])
-            return out
-        for first in range(0, right.shape[1], AT_ONCE):
-            part = slice(first, first + AT_ONCE)
-            out[self._order, part] = self._lu.solve(np.asfortranarray(right[self._order, part]))
-        return out
+FEW = 20_000  # rows whose factor is not worth counting: a few seconds at most
+PER_ROW = 100  # entries of a row of the matrix, for which that is true: solid elements have less
+# Operations from which a factor is left to PARDISO, five seconds of SuperLU: 3e4 degrees of freedom of a block, 7e4 of
+# a slender one. Planar meshes have less with up to half a million of them.
+LARGE = 2e10
 
 
 def positive_factor(matrix: csc_matrix[Any], rank: IntArray) -> Factor:
-    """Factors of a symmetric matrix whose rows are eliminated by ascending rank (n,).
+    """Factors of a symmetric matrix whose rows are eliminated by ascending rank (n,), or as PARDISO chooses.
 
     Raises
     ------
     NotPositive
         If a pivot on the diagonal is not positive.
+    ModelError
+        If the factor does not fit in the memory of this machine.
+
+    Warns
+    -----
+    ModelWarning
+        If it takes more than 4 GiB or a minute, and if PARDISO is installed and does not work.
     """
     order = np.argsort(rank, kind="stable")
+    ordered = matrix[order][:, order].tocsc()
+    n = matrix.shape[0]
+    cost = cost_of(ordered) if n > FEW or matrix.nnz > PER_ROW * FEW else None
+    if cost is not None and cost.operations > LARGE and pardiso.is_there():
+        check_reach(n, cost, PARDISO)
+        found = pardiso.pardiso_factor(matrix)
+        if found is not None:
+            return found
+    if cost is not None:
+        check_reach(n, cost, SUPERLU, better=not pardiso.is_there())
+    return SuperLuFactor(_superlu(ordered), order)
+
+
+def _superlu(ordered: csc_matrix[Any]) -> Any:
+    """Factors of a symmetric matrix, eliminated in its own order."""
     try:
-        lu = libs.splu(
-            matrix[order][:, order].tocsc(),
-            permc_spec="NATURAL",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
+        lu = libs.splu(ordered, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except MemoryError:
+        raise ModelError(
+            f"stiffness: the memory does not suffice to factorise a mesh of {ordered.shape[0]} degrees of freedom, "
+            "expected a smaller one"
+        ) from None
     except RuntimeError as error:
         raise NotPositive(str(error)) from None
     if not np.array_equal(lu.perm_r, lu.perm_c) or not lu.U.diagonal().min() > 0.0:
         raise NotPositive("a pivot is not positive")
-    return Factor(lu, order)
+    return lu
 
 
 def links(stiffness: csc_matrix[Any], node: IntArray, count: int) -> csc_matrix[Any]:

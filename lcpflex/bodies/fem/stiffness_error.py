@@ -6,11 +6,11 @@ bending. Elements that lock in bending (a linear field cannot bend without shear
 
 from __future__ import annotations
 
-import sys
 import warnings
 
 import numpy as np
 
+from lcpflex.basics.stack import outside
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.reduction.eigenmodes import FreeMesh, ritz
 from lcpflex.errors import ModelError, ModelWarning
@@ -48,7 +48,7 @@ def warn_if_too_stiff(mesh: FiniteElements, shapes: FloatArray) -> None:
         f"lock, expected at most {100.0 * TOLERATED:.0f} %: quadratic elements, lcpflex.meshes.quadratic(mesh), or "
         f"such ones {times} times smaller",
         ModelWarning,
-        stacklevel=_outside(),
+        stacklevel=outside(),
     )
 
 
@@ -73,11 +73,3 @@ def _are_modes(mesh: FiniteElements, vectors: FloatArray) -> bool:
     energy = (vectors * stiff).sum(axis=0)
     left = stiff - energy / (vectors * heavy).sum(axis=0) * heavy
     return bool(((left**2 / mesh.stiffness.diagonal()[:, None]).sum(axis=0) <= PURE * energy).all())
-
-
-def _outside() -> int:
-    """The stack level of the caller's caller that is none of lcpflex, for :func:`warnings.warn`."""
-    level, frame = 1, sys._getframe(1)
-    while frame.f_back is not None and str(frame.f_globals.get("__name__", "")).startswith("lcpflex."):
-        level, frame = level + 1, frame.f_back
-    return level
