@@ -19,6 +19,7 @@ import numpy.typing as npt
 from lcpflex.basics import libs
 from lcpflex.basics.blas import one_thread
 from lcpflex.bodies.fem.sparse_factor import AT_ONCE, Factor, NotPositive, positive_factor
+from lcpflex.bodies.reduction.block_lanczos import block_lanczos, columns_of
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 
@@ -45,7 +46,7 @@ __all__ = [
 
 DENSE_LIMIT = 1200  # up to this size the full eigenproblem costs less than a second
 FULL_LIMIT = 6000  # degrees of freedom beyond which the full eigenproblem is refused
-MEMORY = 4 * 2**30  # bytes that full matrices of a reduction may take
+MEMORY = 5 * 2**30  # bytes that full columns may take: 8 with matrices and factor of 2e5 degrees of freedom in space
 RESTARTS = 500  # of Lanczos iterations, which take about ten
 EPS = float(np.finfo(np.float64).eps)
 
@@ -149,7 +150,7 @@ class FreeMesh:
             with one_thread(n):
                 values, vectors = self._all(wanted)
         else:
-            values, vectors = lanczos(self.stiffness, self.mass, self.flexibility, wanted)
+            values, vectors = lanczos(self.stiffness, self.mass, self.flexibility, wanted, self._factor.in_blocks)
         judge(float(values[0]), self.mass, self.stiffness, r)
         vectors = vectors[:, :count]
         for _ in range(2):
@@ -252,7 +253,7 @@ def fixed_modes(
     if is_dense(n, count):
         with one_thread(n):
             return _full(stiffness.toarray(), mass.toarray(), 0, count)
-    return ritz(stiffness, mass, lanczos(stiffness, mass, factor.solve, count)[1])
+    return ritz(stiffness, mass, lanczos(stiffness, mass, factor.solve, count, factor.in_blocks)[1])
 
 
 def softest(mass: csc_matrix[Any], stiffness: csc_matrix[Any], factor: Factor) -> float:
@@ -264,10 +265,14 @@ def softest(mass: csc_matrix[Any], stiffness: csc_matrix[Any], factor: Factor) -
     return float(vector @ (stiffness @ vector)) / float(vector @ (mass @ vector))
 
 
-def lanczos(stiffness: csc_matrix[Any], mass: csc_matrix[Any], solve: Any, count: int) -> tuple[FloatArray, FloatArray]:
+def lanczos(
+    stiffness: csc_matrix[Any], mass: csc_matrix[Any], solve: Any, count: int, in_blocks: bool
+) -> tuple[FloatArray, FloatArray]:
     """Lowest eigenpairs, by Lanczos iterations on the inverse of the stiffness; a fixed start gives the same bits."""
     n = mass.shape[0]
-    check_memory("modes", n, 6 * count + 60)
+    check_memory("modes", n, columns_of(count) if in_blocks else 6 * count + 60)
+    if in_blocks:
+        return block_lanczos(stiffness, mass, solve, count)
     inverse = libs.LinearOperator((n, n), matvec=solve, dtype=np.float64)
     start = solve(mass @ np.cos(np.arange(n, dtype=np.float64) * 1.7))  # any fixed vector with a part of every mode
     try:
@@ -314,7 +319,7 @@ def is_dense(n: int, count: int) -> bool:
 
 
 def check_memory(name: str, n: int, columns: int) -> None:
-    """Refuse what would take more than 4 GiB: so many full columns of n numbers."""
+    """Refuse what would take more than MEMORY: so many full columns of n numbers."""
     needed = 8 * n * columns
     if needed > MEMORY:
         raise ModelError(
