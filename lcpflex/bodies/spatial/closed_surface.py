@@ -50,7 +50,8 @@ def check_closed(name: str, vertices: FloatArray, triangles: IntArray) -> None:
 def is_closed(triangles: IntArray) -> bool:
     """Whether each edge belongs to two triangles (T, 3) that pass it opposite ways."""
     _, there, back = passed_edges(triangles)
-    return len(np.unique(there)) == len(there) and bool(np.isin(back, there).all())
+    there = np.sort(there)
+    return bool((np.diff(there) > 0).all()) and np.array_equal(there, np.sort(back))
 
 
 def passed_edges(triangles: IntArray) -> tuple[IntArray, IntArray, IntArray]:

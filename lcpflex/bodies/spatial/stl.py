@@ -24,7 +24,7 @@ def read_stl(name: str, path: str | os.PathLike[str]) -> tuple[FloatArray, str]:
 
     Corners are counter-clockwise seen from outside; the normals of the file are not looked at. Several solids in a
     file are one surface. A file of the length that its number of triangles asks for is a binary one, whatever it
-    begins with.
+    begins with; a few bytes behind them, less than a triangle has, are left alone.
 
     Raises
     ------
@@ -36,8 +36,9 @@ def read_stl(name: str, path: str | os.PathLike[str]) -> tuple[FloatArray, str]:
     source = f"{name} {shown(str(file))}"
     data = _bytes(file, source)
     count = int.from_bytes(data[HEADER - 4 : HEADER], "little") if len(data) >= HEADER else -1
-    if len(data) == HEADER + count * RECORD.itemsize:
-        corners = np.frombuffer(data, dtype=RECORD, offset=HEADER)["corners"].astype(np.float64)
+    behind = len(data) - HEADER - count * RECORD.itemsize
+    if count >= 0 and 0 <= behind < RECORD.itemsize:  # a line break, most often
+        corners = np.frombuffer(data, dtype=RECORD, count=count, offset=HEADER)["corners"].astype(np.float64)
     elif data.lstrip()[:5].lower() == b"solid" and b"\0" not in data[:1000]:
         corners = _from_text(data.decode("latin-1"), source)  # names may be in any encoding, all else is ASCII
     else:
