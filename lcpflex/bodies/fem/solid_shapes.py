@@ -32,7 +32,7 @@ from lcpflex.bodies.fem.graded_lines import Pull, Spot, lines_between, refuse_ma
 from lcpflex.bodies.fem.hex_mesh import HexMesh
 from lcpflex.bodies.fem.round_map import RoundMap
 from lcpflex.bodies.fem.shape_grids import Block, Round, Shape, Tube
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["ball", "bar", "box", "cylinder", "tube"]
@@ -128,16 +128,17 @@ def _lengths(sizes: npt.ArrayLike) -> FloatArray:
 def _block(low: FloatArray, high: FloatArray, size: Any, near: Any, elements: Any) -> HexMesh:
     """By the longest edge, or numbers of elements."""
     if (size is None) == (elements is None):
-        raise ModelError(f"size, elements: {size} and {elements} were given, expected exactly one of the two")
+        given = f"{shown(size)} and {shown(elements)}"
+        raise ModelError(f"size, elements: {given} were given, expected exactly one of the two")
     shape = Block(low, high)
     if elements is None:
         return _meshed(shape, size, near)
     if near is not None:
         raise ModelError("near: it was given with elements, expected size with it")
-    given = sequence_of("elements", elements, "three numbers of elements", 3)
-    if len(given) != 3:
-        raise ModelError(f"elements: {len(given)} were given, expected three numbers of elements")
-    counts = [whole_number(f"elements[{k}]", count, 1) for k, count in enumerate(given)]
+    three = sequence_of("elements", elements, "three numbers of elements", 3)
+    if len(three) != 3:
+        raise ModelError(f"elements: {len(three)} were given, expected three numbers of elements")
+    counts = [whole_number(f"elements[{k}]", count, 1) for k, count in enumerate(three)]
     refuse_many(shape.count(counts), "elements")
     return shape.mesh([np.linspace(a, b, n + 1) for a, b, n in zip(low, high, counts, strict=True)])
 

@@ -30,6 +30,7 @@ ADMITTED: dict[str, set[str]] = {
     "Interfaces": {"empty list", "no rows", "one element"},
     "Damping": {"one element"},
     "Mapping": {"empty dict"},
+    "Near": {"empty dict"},  # of solids
     "Sequence[float]": {"three", "array", "one element"},
     "tuple[float, ...]": {"three", "array", "one element"},
     "Sequence[str]": {"list of word", "list of texts"},
@@ -62,6 +63,8 @@ TAKEN: dict[tuple[str, str], set[str]] = {
     ("Matrices", "node_sets"): {"dict"},
     ("SpatialMatrices", "node_sets"): {"dict"},
     ("Solid", "sets"): {"dict"},
+    ("Solid.box", "elements"): {"three"},
+    ("Solid.bar", "elements"): {"three"},
     ("matrices_from_files", "node_sets"): {"dict"},
     ("Force", "P"): {"strange point"},  # the scene is known when it is loaded with the force
     ("Force in space", "value"): {"three"},
