@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import skfem
+from scipy.sparse import save_npz
 
 import lcpflex as lf
 from tests.property.fuzz.face import Face
@@ -46,6 +47,13 @@ def _written() -> dict[str, Any]:
 def _solid() -> dict[str, Any]:
     """One trilinear element."""
     return block((0.3, 0.2, 0.1), (1, 1, 1), "hex1")
+
+
+def _files() -> dict[str, Any]:
+    """The same in files."""
+    for name in ("mass", "stiffness"):
+        save_npz(f"{name}.npz", _solid()[name])
+    return {"mass": "mass.npz", "stiffness": "stiffness.npz", "coordinates": _solid()["coordinates"]}
 
 
 def _meshed() -> dict[str, Any]:
@@ -89,6 +97,7 @@ def spatial_bodies_faces() -> list[Face]:
             lambda: lf.SpatialBeam(**BEAM),
         ),
         Face("SpatialMatrices", lf.SpatialMatrices, lambda: dict(_solid())),
+        Face("matrices_from_files in space", lf.matrices_from_files, _files),
         Face(
             "SpatialMatrices.reduce",
             lf.SpatialMatrices.reduce,

@@ -66,6 +66,7 @@ TAKEN: dict[tuple[str, str], set[str]] = {
     ("Solid.box", "elements"): {"three"},
     ("Solid.bar", "elements"): {"three"},
     ("matrices_from_files", "node_sets"): {"dict"},
+    ("matrices_from_files in space", "node_sets"): {"dict"},
     ("Force", "P"): {"strange point"},  # the scene is known when it is loaded with the force
     ("Force in space", "value"): {"three"},
     ("Torque in space", "value"): {"three"},
