@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.bodies.fem.assembly import Solid
+from lcpflex.bodies.fem.assembly import ElasticSolid
 from lcpflex.bodies.fem.nodal_stress import nodal_gradients, nodal_stress
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
@@ -26,7 +26,7 @@ def node_of(places: FloatArray, x: float, y: float) -> int:
     return int(np.hypot(*(places - [x, y]).T).argmin())
 
 
-def solid_of(part: Any) -> Solid:
+def solid_of(part: Any) -> ElasticSolid:
     solid = part.finite_elements().solid
     assert solid is not None
     return solid

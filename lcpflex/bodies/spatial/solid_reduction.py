@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -111,8 +112,8 @@ def reduce_solid(
     again = None
     if basis is None:
         again = reduction_by(
-            reduce_solid, n, most, damping, self=Known(mesh), interfaces=held_at, contact=contact, boundary=boundary,
-            rows=rows, clamped=clamped, second_order=second_order, residual_damping=residual_damping,
+            partial(reduce_solid, Known(mesh)), n, most, damping, interfaces=held_at, contact=contact,
+            boundary=boundary, rows=rows, clamped=clamped, second_order=second_order, residual_damping=residual_damping,
         )  # fmt: skip
     return solid_body(mesh, found, damping, residual, again, second_order, clamped=held is not None)
 
