@@ -52,6 +52,17 @@ def _saved_mesh(path):
     libs.meshio.write_points_cells(path, places, cells, file_format={".vtk": "vtk", ".msh": "gmsh"}.get(path.suffix))
 
 
+def _solid(path):
+    return lf.Solid(path, 7800.0, 2e11, 0.3).finite_elements()
+
+
+def _saved_solid(path):
+    mesh = libs.skfem.MeshTet2.from_mesh(libs.skfem.MeshTet1().refined())
+    known = {"tetra10": mesh.dofs.element_dofs.T, "triangle": mesh.facets[:, mesh.boundary_facets()].T}
+    cells = known if path.suffix == ".msh" else {"tetra10": known["tetra10"]}
+    libs.meshio.write_points_cells(path, mesh.doflocs.T, cells, file_format={".msh": "gmsh22"}.get(path.suffix))
+
+
 def _mesh_of_fluent(path):
     mesh = meshes.rectangle(0.4, 0.1, 4, 2, order=1)
     libs.meshio.write_points_cells(path, mesh.p.T, {"quad": mesh.t.T}, file_format="ansys")
@@ -83,6 +94,8 @@ READERS = {
     "mesh of Fluent": (_mesh, "mesh", ".msh", _mesh_of_fluent),
     "mesh of VTK": (_mesh, "mesh", ".vtk", _saved_mesh),
     "mesh of Abaqus": (_mesh, "mesh", ".inp", _saved_mesh),
+    "solid of Gmsh": (_solid, "mesh", ".msh", _saved_solid),
+    "solid of Abaqus": (_solid, "mesh", ".inp", _saved_solid),
     "matrix, text": (_matrix, "mass", ".mtx", _mass),
     "matrix, numpy": (_matrix, "mass", ".npy", lambda path: np.save(path, matrices()["mass"].toarray())),
     "coordinates": (_coordinates, "coordinates", ".csv", lambda path: np.savetxt(path, matrices()["coordinates"])),

@@ -335,6 +335,18 @@ def test_ranges_without_end_need_no_memory(tmp_path):
     assert found.groups["n"].nodes.tolist() == [1, 3]
 
 
+def test_few_lines_that_ask_for_members_without_end_are_refused(tmp_path):
+    """Each of 3000 sets has all of 20000 nodes: less than 200 kB of text would need half a gigabyte."""
+    nodes = "*NODE\n" + "".join(f"{k}\n" for k in range(1, 20001))
+    sets = "*NSET, NSET=a, GENERATE\n1, 20000\n" + "".join(f"*NSET, NSET=s{k}\na\n" for k in range(3000))
+    with pytest.raises(ModelError, match="its sets have more than 20000000 members, expected fewer"):
+        read(tmp_path, nodes + sets)
+    part = f"*PART, NAME=p\n{nodes}*END PART\n"
+    instances = "".join(f"*INSTANCE, NAME=i{k}, PART=p\n*END INSTANCE\n" for k in range(3000))
+    with pytest.raises(ModelError, match="its instances have more than 10000000 nodes, expected fewer"):
+        read(tmp_path, part + instances)
+
+
 def test_sets_that_hold_each_other_again_and_again_are_refused(tmp_path):
     """Of 60 sets of which each holds the one before twice, the last has 2^60 members if they are written out."""
     chain = "*NSET, NSET=s0\n1, 2\n" + "".join(f"*NSET, NSET=s{k}\ns{k - 1}, s{k - 1}\n" for k in range(1, 60))

@@ -116,6 +116,20 @@ def test_numbers_as_large_as_they_like_need_no_memory(tmp_path):
         assert found.cells("tetra10")[:, :4].tolist() == [[0, 1, 2, 3], [1, 2, 3, 4]]
 
 
+@pytest.mark.parametrize("order", ["", "<", ">"])
+def test_kinds_that_alternate_make_one_block_each(tmp_path, order):
+    """And one header before each element, where the file is binary."""
+    places = np.column_stack([np.arange(9.0), np.zeros(9), np.zeros(9)])
+    blocks = [(kind, [[k + 1, k + 2, *[k + 3] * (kind == "triangle")]], [k]) for k in range(1, 6) for kind in
+              ("line", "triangle")]  # fmt: skip
+    found = read(tmp_path, Sample(list(range(1, 10)), places, blocks).written("2.2", order))
+    assert [kind for kind, _ in found.blocks] == ["line", "triangle"]
+    assert found.cells("triangle").tolist() == [[k, k + 1, k + 2] for k in range(1, 6)]
+    assert {name: group.nodes.tolist() for name, group in found.groups.items()} == {
+        str(k): [k, k + 1] for k in range(1, 6)
+    }
+
+
 @pytest.mark.parametrize("version", ["2", "2.000000", "2.1"])
 def test_version_2_however_it_is_written(tmp_path, version):
     text = two_tetrahedra().written("2.2", "").decode().replace("2.2 0 8", f"{version} 0 8")

@@ -26,7 +26,7 @@ __all__ = ["ElementBlock", "MemberSet", "Model", "Scope", "Surface", "model_of"]
 
 MAKERS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY")  # keywords that make nodes or elements of others
 INSTANCES = 100_000
-NODES = 50_000_000  # of all instances: a few lines may ask for any number
+NODES = 10_000_000  # of all instances: a few lines may ask for any number
 
 
 @dataclass(slots=True)
@@ -94,6 +94,7 @@ class Model:
     root: Scope = field(default_factory=Scope)
     parts: dict[str, Scope] = field(default_factory=dict)
     instances: dict[str, Scope] = field(default_factory=dict)
+    copied: int = 0  # nodes of parts in all instances
 
 
 def model_of(keywords: Iterable[Keyword]) -> Model:
@@ -136,7 +137,8 @@ def _instance(model: Model, keyword: Keyword) -> Scope:
         raise Unreadable(f"it has more than {INSTANCES} instances, expected fewer")
     _new(model.instances, name, keyword)
     model.instances[name.upper()] = model.parts[part.upper()].copy(name)
-    if sum(len(some) for of in model.instances.values() for some in of.numbers) > NODES:
+    model.copied += sum(len(numbers) for numbers in model.parts[part.upper()].numbers)
+    if model.copied > NODES:
         raise Unreadable(f"its instances have more than {NODES} nodes, expected fewer")
     return model.instances[name.upper()]
 

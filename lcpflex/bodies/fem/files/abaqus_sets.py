@@ -9,7 +9,7 @@ import numpy as np
 from lcpflex.bodies.fem.files.abaqus_data import Member, member_of
 from lcpflex.bodies.fem.files.abaqus_model import MemberSet, Scope, Surface
 from lcpflex.bodies.fem.files.abaqus_types import FACES
-from lcpflex.bodies.fem.files.found import CELLS, Part, Unreadable
+from lcpflex.bodies.fem.files.found import CELLS, Part, Unreadable, distinct
 from lcpflex.bodies.fem.files.numbering import Numbering, joined
 from lcpflex.errors import shown
 from lcpflex.jit.kernel import IntArray
@@ -17,7 +17,7 @@ from lcpflex.jit.kernel import IntArray
 __all__ = ["Body", "Sets"]
 
 DEPTH = 100  # of sets in sets
-MOST = 200_000_000  # members of all sets: a few lines may ask for any number
+MOST = 20_000_000  # members of all sets: a few lines may ask for any number
 SIDES = ("", "SPOS", "SNEG")  # names of whole shells
 
 
@@ -88,7 +88,7 @@ class Sets:
         if key in self._open or len(self._open) > DEPTH:
             raise Unreadable(f"set {shown(of.name)} holds itself, expected sets that do not")
         self._open.add(key)
-        found = np.unique(joined([self._member(body, member, of_nodes) for member in of.members]))
+        found = distinct(joined([self._member(body, member, of_nodes) for member in of.members]))
         self._open.discard(key)
         self._known[key] = found
         return found
@@ -108,7 +108,7 @@ class Sets:
             found = first + numbering.within(*member.range)
         elif member.of_elements:
             elements = self._resolved(owner, _named(owner.scope.element_sets, name), of_nodes=False)
-            found = np.unique(joined([cells.ravel() for _, cells in self._cells(elements)]))
+            found = distinct(joined([cells.ravel() for _, cells in self._cells(elements)]))
         else:
             sets = owner.scope.node_sets if of_nodes else owner.scope.element_sets
             found = self._resolved(owner, _named(sets, name), of_nodes)

@@ -10,7 +10,7 @@ import numpy as np
 from lcpflex.errors import shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["CELLS", "Cell", "FoundMesh", "Group", "Part", "Unreadable", "cell_of", "grouped"]
+__all__ = ["CELLS", "Cell", "FoundMesh", "Group", "Part", "Unreadable", "cell_of", "distinct", "grouped"]
 
 
 class Unreadable(Exception):
@@ -116,7 +116,7 @@ def grouped(sets: Mapping[str, IntArray], sources: Sequence[Sequence[Part]], kin
 
     sets: nodes by name. sources: lists of parts, the former before the latter. kinds: of all elements of the mesh.
     """
-    groups = {name: Group(_distinct(nodes)) for name, nodes in sets.items() if len(nodes)}
+    groups = {name: Group(distinct(nodes)) for name, nodes in sets.items() if len(nodes)}
     solid = {kind for kind in kinds if (cell := cell_of(kind)) is None or cell.dimension == 3}
     corners = FACE_CORNERS.get(solid.pop(), 0) if len(solid) == 1 else 0
     for dimensions in ((0, 1), (2,), (3,)):
@@ -127,7 +127,7 @@ def grouped(sets: Mapping[str, IntArray], sources: Sequence[Sequence[Part]], kin
                 if len(cells) and (3 if cell is None else cell.dimension) in dimensions:
                     pieces.setdefault(name, []).append((kind, cells))
             for name, of_name in pieces.items():
-                nodes = _distinct(np.concatenate([cells.ravel() for _, cells in of_name]))
+                nodes = distinct(np.concatenate([cells.ravel() for _, cells in of_name]))
                 faces = _facets(name, of_name, corners) if dimensions == (2,) and corners else None
                 known = groups.get(name)
                 if known is None or (known.facets is None and np.array_equal(known.nodes, nodes)):
@@ -135,9 +135,9 @@ def grouped(sets: Mapping[str, IntArray], sources: Sequence[Sequence[Part]], kin
     return groups
 
 
-def _distinct(nodes: IntArray) -> IntArray:
-    """Each of the nodes once, rising; marks are quicker than sorting where there are many."""
-    if int(nodes.max()) > 4 * len(nodes):
+def distinct(nodes: IntArray) -> IntArray:
+    """Each of the numbers once, rising; marks are quicker than sorting where there are many."""
+    if not len(nodes) or int(nodes.max()) > 4 * len(nodes):
         return np.unique(nodes)
     marked = np.zeros(int(nodes.max()) + 1, dtype=np.bool_)
     marked[nodes] = True

@@ -6,7 +6,7 @@ import numpy as np
 
 from lcpflex.bodies.fem.files.found import CELLS, Unreadable
 from lcpflex.bodies.fem.files.gmsh_cells import Block, Elements, Nodes, kind_of, ordered
-from lcpflex.bodies.fem.files.gmsh_numbers import BinaryNumbers, Numbers, run_of
+from lcpflex.bodies.fem.files.gmsh_numbers import BinaryNumbers, Numbers, line_counts, run_of
 from lcpflex.bodies.fem.files.numbering import integers_of
 from lcpflex.jit.kernel import IntArray
 
@@ -33,24 +33,31 @@ def binary_nodes(numbers: BinaryNumbers, count: int) -> Nodes:
 
 def text_elements(text: bytes) -> Elements:
     """Number, type, count of tags, tags and nodes on each line."""
-    numbers = integers_of(text, "$Elements")
-    if not len(numbers):
-        raise Unreadable("$Elements is empty, expected a number of elements")
-    told, at, found = int(numbers[0]), 1, 0
-    pieces: list[tuple[str, int, IntArray]] = []
-    while at < len(numbers):
-        if at + 3 > len(numbers):
-            raise Unreadable("$Elements ends amid an element, expected its nodes")
-        kind, tags = kind_of(int(numbers[at + 1])), _tags(int(numbers[at + 2]))
-        length = 3 + tags + CELLS[kind].nodes
-        if at + length > len(numbers):
-            raise Unreadable(f"$Elements ends amid element {numbers[at]}, expected {length} numbers")
-        count = run_of(numbers, at, length, slice(1, 3))
-        table = numbers[at : at + count * length].reshape(count, length)
-        pieces.append((kind, tags, np.delete(table, [1, 2], axis=1)))
-        at, found = at + count * length, found + count
-    _check_count(told, found)
-    return _blocks(pieces)
+    numbers, counts = integers_of(text, "$Elements"), line_counts(text)
+    if not len(counts) or counts[0] != 1 or counts.sum() != len(numbers):
+        raise Unreadable("$Elements does not begin with a line of the number of elements, expected one")
+    begins = np.cumsum(counts)[:-1]
+    ends = begins + counts[1:]
+    _check_count(int(numbers[0]), len(begins))
+    if (counts[1:] < 4).any():
+        raise Unreadable(f"$Elements has a line of {counts[1:].min()} numbers, expected an element on each")
+    types, tags = numbers[begins + 1], numbers[begins + 2]
+    blocks: Elements = []
+    for number in np.unique(types):
+        of = np.flatnonzero(types == number)
+        kind = kind_of(int(number))
+        lengths = ends[of] - begins[of]
+        wrong = (lengths != 3 + tags[of] + CELLS[kind].nodes) | (tags[of] < 0)
+        if wrong.any():
+            k = int(wrong.argmax())
+            raise Unreadable(
+                f"$Elements has element {numbers[begins[of[k]]]}, {kind} of {tags[of[k]]} tags, on a line of "
+                f"{lengths[k]} numbers, expected {3 + max(int(tags[of[k]]), 0) + CELLS[kind].nodes}"
+            )
+        cells = numbers[ends[of][:, None] - np.arange(CELLS[kind].nodes, 0, -1)]
+        group = np.where(tags[of] > 0, numbers[begins[of] + 3], 0)
+        blocks.append(_block(kind, numbers[begins[of]], group, cells))
+    return blocks
 
 
 def binary_elements(numbers: BinaryNumbers, told: int) -> Elements:
@@ -91,20 +98,22 @@ def _check_count(told: int, found: int) -> None:
 
 
 def _blocks(pieces: list[tuple[str, int, IntArray]]) -> Elements:
-    """Elements of one kind that follow each other are a block; groups are read off their first tags."""
+    """One block for each kind. pieces: kind, count of tags, and (m, 1 + tags + nodes) numbers."""
     blocks: Elements = []
-    at = 0
-    while at < len(pieces):
-        end = at + 1
-        while end < len(pieces) and pieces[end][0] == pieces[at][0]:
-            end += 1
-        kind = pieces[at][0]
-        numbers = np.concatenate([table[:, 0] for _, _, table in pieces[at:end]])
-        cells = np.concatenate([table[:, 1 + tags :] for _, tags, table in pieces[at:end]])
-        first = np.concatenate(
-            [np.abs(table[:, 1]) if tags else np.zeros(len(table), dtype=np.int64) for _, tags, table in pieces[at:end]]
-        )  # a negative one: the element is turned around
-        physical = [(int(tag), np.flatnonzero(first == tag)) for tag in np.unique(first) if tag]
-        blocks.append(Block(kind, numbers, ordered(kind, cells), physical))
-        at = end
+    for kind in dict.fromkeys(kind for kind, _, _ in pieces):
+        of = [(tags, table) for name, tags, table in pieces if name == kind]
+        numbers = np.concatenate([table[:, 0] for _, table in of])
+        cells = np.concatenate([table[:, 1 + tags :] for tags, table in of])
+        groups = np.concatenate([table[:, 1] if tags else np.zeros(len(table), dtype=np.int64) for tags, table in of])
+        blocks.append(_block(kind, numbers, groups, cells))
     return blocks
+
+
+def _block(kind: str, numbers: IntArray, groups: IntArray, cells: IntArray) -> Block:
+    """groups: numbers of physical groups; 0: none; a negative one: the element is turned around."""
+    groups = np.abs(groups)
+    order = np.argsort(groups, kind="stable")
+    tags, first = np.unique(groups[order], return_index=True)
+    members = np.split(order, first[1:])
+    physical = [(int(tag), some) for tag, some in zip(tags, members, strict=True) if tag]
+    return Block(kind, numbers, ordered(kind, cells), physical)

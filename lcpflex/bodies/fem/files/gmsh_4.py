@@ -13,11 +13,14 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 __all__ = ["elements", "entities", "nodes"]
 
 
+MOST = 1_000_000  # entities, and blocks of nodes or elements: real models have thousands
+
+
 def entities(numbers: Numbers) -> dict[tuple[int, int], list[int]]:
     """Numbers of the physical groups of each entity, by its dimension and number."""
     found: dict[tuple[int, int], list[int]] = {}
-    for dimension, count in enumerate(numbers.sizes(4)):
-        for _ in range(int(count)):
+    for dimension, count in enumerate(_counts("$Entities", numbers)):
+        for _ in range(count):
             tag = int(numbers.ints(1)[0])
             numbers.floats(3 if dimension == 0 else 6)  # its place, or the box around it
             groups = numbers.ints(int(numbers.sizes(1)[0]))
@@ -29,7 +32,7 @@ def entities(numbers: Numbers) -> dict[tuple[int, int], list[int]]:
 
 def nodes(numbers: Numbers) -> Nodes:
     """Blocks of the nodes of an entity: their numbers, then their places."""
-    blocks, told, _, _ = (int(size) for size in numbers.sizes(4))
+    blocks, told, _, _ = _counts("$Nodes", numbers, 1)
     tags: list[IntArray] = []
     places: list[FloatArray] = []
     for _ in range(blocks):
@@ -49,7 +52,7 @@ def nodes(numbers: Numbers) -> Nodes:
 
 def elements(numbers: Numbers, groups: dict[tuple[int, int], list[int]] | None) -> Elements:
     """Blocks of the elements of an entity, which are in its physical groups. groups: of the entities, if told."""
-    blocks, told, _, _ = (int(size) for size in numbers.sizes(4))
+    blocks, told, _, _ = _counts("$Elements", numbers, 1)
     found: Elements = []
     for _ in range(blocks):
         dimension, entity, number = (int(value) for value in numbers.ints(3))
@@ -64,6 +67,14 @@ def elements(numbers: Numbers, groups: dict[tuple[int, int], list[int]] | None) 
         found.append(Block(kind, table[:, 0], ordered(kind, table[:, 1:]), physical))
     _check_count("$Elements", "elements", told, sum(len(block.numbers) for block in found))
     return found
+
+
+def _counts(section: str, numbers: Numbers, entities: int = 4) -> list[int]:
+    """The four numbers with which each section begins; the first of them, or all, count entities."""
+    counts = [int(size) for size in numbers.sizes(4)]
+    if max(counts[:entities]) > MOST:
+        raise Unreadable(f"{section} tells {max(counts[:entities])} entities, expected at most {MOST}")
+    return counts
 
 
 def _check_count(section: str, what: str, told: int, found: int) -> None:

@@ -10,7 +10,7 @@ from lcpflex.bodies.fem.files.found import Unreadable
 from lcpflex.bodies.fem.files.numbering import EXACT, floats_of, integers_of
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["BinaryNumbers", "Numbers", "TextNumbers", "run_of"]
+__all__ = ["BinaryNumbers", "Numbers", "TextNumbers", "line_counts", "run_of"]
 
 
 class Numbers(Protocol):
@@ -121,6 +121,17 @@ def _checked_sizes(values: IntArray, section: str) -> IntArray:
     if (values < 0).any():
         raise Unreadable(f"{section} has the number {values.min()}, expected one >= 0")
     return values
+
+
+def line_counts(text: bytes) -> IntArray:
+    """How many words each line has, of those that have some."""
+    codes = np.frombuffer(text, dtype=np.uint8)
+    begins = codes > ord(" ")
+    begins[1:] &= codes[:-1] <= ord(" ")
+    words = np.flatnonzero(begins)
+    upto = np.searchsorted(words, np.flatnonzero(codes == ord("\n")))
+    counts = np.diff(np.concatenate([[0], upto, [len(words)]]))
+    return np.asarray(counts[counts > 0])
 
 
 def run_of(numbers: IntArray, at: int, length: int, alike: slice) -> int:
