@@ -23,7 +23,6 @@ from lcpflex.scene.substitution import one_with, remade
 if TYPE_CHECKING:
     from lcpflex.bodies.reduction.again import Reduction
     from lcpflex.scene.compiling import ReductionOrder
-    from lcpflex.scene.handles import Placed
     from lcpflex.scene.scene import Scene
     from lcpflex.scene.spatial.scene import SpatialScene
 
@@ -97,18 +96,19 @@ def _more(body: Any, known: dict[int, Any], count: Callable[[Reduction[Any], int
     return known[id(body)]
 
 
-def _richer_order(placed: Placed, order: ReductionOrder, free: Any, known: dict[int, Any]) -> ReductionOrder:
+def _richer_order(placed: Any, order: ReductionOrder, free: Any, known: dict[int, Any]) -> ReductionOrder:
     """The order of more modes; ``free``: the body with these, without residual modes."""
     made = known.setdefault(id(order.made), {})  # orders that are alike share what is made
     made.setdefault((), free)
     before = order.body(())
     start = replace(placed, source=before, start=order.start(placed.start, before), order=None)
     q, u = one_with(start, free)[1]
-    rigid = len(placed.start[0])
     options = dict(order.options)
     if "damping" in options:
         options["damping"] = continued(options["damping"], free.modes)
-    return replace(order, modes=free.modes, options=options, modal=q[rigid:], modal_velocity=u[rigid:], made=made)
+    frame = [len(part) for part in placed.start]
+    modal, rate = q[frame[0] :], u[frame[1] :]
+    return replace(order, modes=free.modes, options=options, made=made, modal=modal, modal_velocity=rate)
 
 
 def _refuse_numbers(scene: Any) -> None:

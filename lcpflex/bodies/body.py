@@ -119,7 +119,7 @@ class Reducible(Protocol):
     """What is reduced to a body: a beam, a bar, a mesh, matrices."""
 
     @property
-    def reduce(self) -> Callable[..., Body]:
+    def reduce(self) -> Callable[..., Any]:
         """Makes the body: ``reduce(modes, damping, interfaces=..., residual_damping=...)``."""
         ...
 
@@ -129,11 +129,14 @@ class Statics(Protocol):
 
     known: dict[Any, Any]  # what was found from it, by place and direction
 
-    def compliance(self, x: float, y: float) -> FloatArray:
-        """(3, 3) displacement (x, y) [m] and rotation [rad] at a place by unit forces and a unit moment there."""
+    def compliance(self, *place: Any) -> FloatArray:
+        """(3, 3), in space (6, 6): displacement [m] and rotation [rad] at a place by unit forces and moments there.
+
+        place: x, y in the plane; in space, what tells the point of the mesh.
+        """
         ...
 
-    def enough(self, x: float, y: float, rows: FloatArray, share: float) -> int:
+    def enough(self, place: tuple[Any, ...], rows: FloatArray, share: float) -> int:
         """How many free modes miss at most ``share`` of the compliance in the rows (3, k); 0 where it is not known."""
         ...
 

@@ -15,9 +15,10 @@ from lcpflex.bodies.fem.assembly import ElasticSolid, lame_constants
 from lcpflex.bodies.fem.checked_mesh import spatial_mesh
 from lcpflex.bodies.fem.elastic_mesh import finite_elements_of
 from lcpflex.bodies.fem.finite_elements import FiniteElements
+from lcpflex.bodies.fem.hex_mesh import HexMesh
 from lcpflex.bodies.fem.length_unit import check_size, metres
 from lcpflex.bodies.fem.material import check_material
-from lcpflex.bodies.fem.mesh import Mesh
+from lcpflex.bodies.fem.mesh import KINDS, Mesh
 from lcpflex.bodies.fem.stiffness_error import stiffness_error
 from lcpflex.bodies.spatial.body import SpatialBody
 from lcpflex.bodies.spatial.solid_reduction import reduce_solid
@@ -162,11 +163,12 @@ class Solid:
         return cls._shaped(shapes.ball(radius, size, near=near), material)
 
     @classmethod
-    def _shaped(cls, mesh: Mesh, material: dict[str, Any]) -> Solid:
+    def _shaped(cls, mesh: HexMesh, material: dict[str, Any]) -> Solid:
         """Of a mesh that was made here."""
         if "mesh" in material:
             raise ModelError("mesh: it was given, expected it for Solid(mesh, ...) alone")
-        return cls(mesh, **material)
+        made = Mesh(KINDS["hexahedron"], mesh.places, mesh.cells, source="mesh", faces=mesh.faces)
+        return cls(made, **material)
 
     def finite_elements(self) -> FiniteElements:
         """What every reduction starts from."""

@@ -17,23 +17,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from lcpflex.basics.blas import one_thread
+from lcpflex.bodies.body import Body
 from lcpflex.compile.surface_interfaces import Acting, acting_on
 from lcpflex.errors import ModelError
 
 if TYPE_CHECKING:
-    from lcpflex.bodies.body import Body, Statics
+    from lcpflex.bodies.body import Statics
+    from lcpflex.bodies.spatial.body import SpatialBody, SpatialPoint
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.scene.declared import DeclaredContact, Parts
-    from lcpflex.scene.handles import Placed
+    from lcpflex.scene.spatial.scene import SpatialParts
 
 __all__ = ["MISSING", "deficits", "missing_compliance"]
 
 MISSING = 0.01  # of the compliance of the mesh
+ROUNDING = 1e-12  # of the largest coordinate of a place, that is told as 0
 NOTHING = 1e-9  # of the largest compliance: none, as along an axis that does not stretch
 
 
@@ -46,14 +49,15 @@ class Deficit(NamedTuple):
     way: FloatArray  # (k,) that misses most, in the rows
 
     @property
-    def place(self) -> tuple[float, float]:
+    def place(self) -> tuple[float, ...]:
         """Where [m]."""
-        return _place(self.acting)
+        return self.acting.at or _place(self.acting)
 
 
-def missing_compliance(parts: Parts, contacts: Mapping[str, DeclaredContact]) -> tuple[str, ...]:
+def missing_compliance(parts: Parts | SpatialParts, contacts: Mapping[str, DeclaredContact]) -> tuple[str, ...]:
     """A warning for each body that misses more than a hundredth of the compliance of its mesh somewhere."""
     found = []
+    body: Any
     for one, body in zip(parts.placed, parts.bodies, strict=True):
         if body.statics is not None and body.modes:
             short = [deficit for acting in _acting(one, body, parts, contacts) for deficit in deficits(body, acting)]
@@ -61,8 +65,12 @@ def missing_compliance(parts: Parts, contacts: Mapping[str, DeclaredContact]) ->
     return tuple(found)
 
 
-def _acting(one: Placed, body: Body, parts: Parts, contacts: Mapping[str, DeclaredContact]) -> list[Acting]:
+def _acting(one: Any, body: Any, parts: Any, contacts: Mapping[str, DeclaredContact]) -> list[Acting]:
     """What acts on a body, at places where it has material."""
+    if not isinstance(body, Body):
+        from lcpflex.compile.spatial.interfaces import spatial_acting_on  # which planar scenes do without
+
+        return spatial_acting_on(one.body, body, parts.joints, parts.loads, contacts, None, parts.rotation)
     from lcpflex.bodies.reduction.line_interfaces import LineStatics  # which rigid scenes do without
 
     def snap(x: float, y: float) -> tuple[tuple[float, float], bool]:
@@ -75,12 +83,10 @@ def _acting(one: Placed, body: Body, parts: Parts, contacts: Mapping[str, Declar
     return [acting for acting in found if _has(body, acting)]
 
 
-def _place(acting: Acting) -> tuple[float, float]:
-    """Where something acts [m]: what acts in a scene has coordinates."""
+def _place(acting: Acting) -> tuple[Any, ...]:
+    """Where something acts: in the plane coordinates [m], in space what tells the point of the mesh."""
     place = acting.interface.place
-    assert isinstance(place, tuple)
-    x, y = place
-    return x, y
+    return place if isinstance(place, tuple) and len(place) == 2 else (place,)
 
 
 def _has(body: Body, acting: Acting) -> bool:
@@ -92,7 +98,7 @@ def _has(body: Body, acting: Acting) -> bool:
     return True
 
 
-def deficits(body: Body, acting: Acting) -> tuple[Deficit, ...]:
+def deficits(body: Body | SpatialBody, acting: Acting) -> tuple[Deficit, ...]:
     """Those above 1 % of something that acts; kept with the mesh, as a scene is compiled for every run."""
     assert body.statics is not None
     modes, known = body.statics.known.get(acting, (None, ()))
@@ -103,13 +109,13 @@ def deficits(body: Body, acting: Acting) -> tuple[Deficit, ...]:
     return tuple(known)
 
 
-def _compared(body: Body, statics: Statics, acting: Acting) -> Iterator[Deficit]:
+def _compared(body: Body | SpatialBody, statics: Statics, acting: Acting) -> Iterator[Deficit]:
     place = _place(acting)
-    point = body.locate(*place)
+    point: Any = body.locate(*place) if isinstance(body, Body) else _in_space(body, *place)
     whole = statics.compliance(*place)
     shapes = np.column_stack([point.phi, point.psi])
     missing = whole - shapes.T @ (shapes / body.stiffness[:, None])
-    for rows in _rows(acting):
+    for rows in _rows(acting, len(whole) // 3 + 1):
         soft, ways = np.linalg.eigh(rows.T @ whole @ rows)
         known = soft > NOTHING * soft.max(initial=0.0)
         scaled = ways[:, known] / np.sqrt(soft[known])
@@ -118,24 +124,30 @@ def _compared(body: Body, statics: Statics, acting: Acting) -> Iterator[Deficit]
             yield Deficit(float(shares[-1]), acting, rows, scaled @ worst[:, -1])
 
 
-def _rows(acting: Acting) -> Iterator[FloatArray]:
-    """(3, k) of the forces that act, with the moment that they make on their arm, and of a moment of its own."""
+def _rows(acting: Acting, d: int) -> Iterator[FloatArray]:
+    """(3, k), in space (6, k) of the forces that act, with the moments on their arm, and of moments of their own."""
     interface, own = acting.interface, math.isinf(acting.arm)
+    unit = np.eye(3 * (d - 1))
     if interface.forces:
-        along = interface.along
-        forces = np.eye(3)[:, :2] if along is None else np.array([[along[0]], [along[1]], [0.0]])
-        arm = np.array([[0.0], [0.0], [acting.arm]])
-        yield np.hstack([forces, arm]) if interface.moment and not own else forces
+        forces = unit[:, :d] if interface.along is None else unit[:, :d] @ np.array(interface.along)[:, None]
+        yield np.hstack([forces, acting.arm * unit[:, d:]]) if interface.moment and not own else forces
     if interface.moment and own:
-        yield np.eye(3)[:, 2:]
+        yield unit[:, d:]
 
 
-def _said(name: str, body: Body, statics: Statics, short: Sequence[Deficit]) -> str:
+def _in_space(body: SpatialBody, place: Any) -> SpatialPoint:
+    from lcpflex.bodies.spatial.interfaces import point_at
+
+    return point_at(body, place)
+
+
+def _said(name: str, body: Body | SpatialBody, statics: Statics, short: Sequence[Deficit]) -> str:
     worst = max(short, key=lambda deficit: deficit.share)
     free = body.modes - body.residual_modes
     more = sum(deficit.rows.shape[1] for deficit in short)
-    enough = max(statics.enough(*one.place, (one.rows @ one.way)[:, None], MISSING) for one in short)
-    x, y = worst.place
+    enough = max(statics.enough(_place(one.acting), (one.rows @ one.way)[:, None], MISSING) for one in short)
+    least = ROUNDING * max(map(abs, worst.place))
+    at = ", ".join(f"{value if abs(value) > least else 0.0:.4g}" for value in worst.place)
     kept = f"{free} free and {body.residual_modes} residual modes" if body.residual_modes else f"{free} modes"
     remedy = (
         f"scene.add(unreduced, modes={free}), or interfaces= of its reduce(), adds what is missing, at most {more} "
@@ -145,15 +157,27 @@ def _said(name: str, body: Body, statics: Statics, short: Sequence[Deficit]) -> 
         remedy = "more contact_nodes= of scene.add, a smaller surface or more free modes would do"
     return (
         f"body {name!r}: its {kept} give way {100.0 * worst.share:.3g} % less than its mesh to {_way(worst)} of "
-        f"{worst.acting.name} at ({x:.4g}, {y:.4g}): {remedy}" + (f"; so would {enough} free modes" if enough else "")
+        f"{worst.acting.name} at ({at}): {remedy}" + (f"; so would {enough} free modes" if enough else "")
     )
 
 
 def _way(deficit: Deficit) -> str:
     """The force or moment that misses most, in words."""
-    x, y, _ = deficit.rows @ deficit.way
+    way = deficit.rows @ deficit.way
+    d = len(way) // 3 + 1
+    if d == 3:
+        return _spatial_way(*np.split(way, 2))
+    x, y, _ = way
     size = math.hypot(x, y)
     if size == 0.0:
         return "the moment"
     x, y = (round(float(value), 2) + 0.0 for value in (x / size, y / size))
     return f"a force along ({abs(x):g}, {y if x >= 0.0 else -y:g})" if x else "a force along (0, 1)"
+
+
+def _spatial_way(force: FloatArray, moment: FloatArray) -> str:
+    """The same in space: the direction of the force, or of the moment where there is none."""
+    kind, found = ("a force", force) if force.any() else ("a moment", moment)
+    rounded = np.round(found / np.linalg.norm(found), 2) + 0.0
+    first = rounded[np.flatnonzero(rounded)[0]]
+    return f"{kind} along ({', '.join(f'{value:g}' for value in (rounded if first > 0.0 else 0.0 - rounded))})"

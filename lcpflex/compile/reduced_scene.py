@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from lcpflex.scene.contact_rules import by_rules
 from lcpflex.scene.substitution import remade
 
 if TYPE_CHECKING:
-    from lcpflex.bodies.body import Body
     from lcpflex.scene.register import Start
     from lcpflex.scene.scene import Scene
+    from lcpflex.scene.spatial.scene import SpatialScene
 
 __all__ = ["reduced_scene"]
 
 
-def reduced_scene(scene: Scene, gives_way: bool = False, listed: bool = False) -> tuple[Scene, tuple[str, ...]]:
+AnyScene = TypeVar("AnyScene", bound="Scene | SpatialScene")
+
+
+def reduced_scene(scene: AnyScene, gives_way: bool = False, listed: bool = False) -> tuple[AnyScene, tuple[str, ...]]:
     """The scene with reduced bodies in the place of unreduced ones, and which nodes of surfaces were taken, in words.
 
     It is the scene itself where none is unreduced. ``gives_way``: each contact needs compliance of its own;
     ``listed``: each pair of a rule is a contact.
     """
-    parts = scene.parts()
+    parts: Any = scene.parts()
+    turned = parts.rotation if scene.spatial else parts.angle
     if not any(placed.order for placed in parts.placed):
         return scene, ()
     everything = (parts.placed, parts.surfaces, parts.contacts, parts.rules, tuple(parts.joints.values()))
@@ -29,14 +33,14 @@ def reduced_scene(scene: Scene, gives_way: bool = False, listed: bool = False) -
     contacts = {**parts.contacts, **by_rule}
     if rule is not None:
         contacts |= rule.first_contacts({placed.body for placed in parts.placed if placed.order})
-    bodies: list[tuple[Body, Start]] = []
+    bodies: list[tuple[Any, Start]] = []
     said: list[str] = []
     for placed in parts.placed:
         assert placed.source is not None
         if placed.order is None:
             bodies.append((placed.source, placed.start))
             continue
-        interfaces, taken = placed.order.interfaces(placed, parts.joints, parts.loads, contacts, parts.angle, gives_way)
+        interfaces, taken = placed.order.interfaces(placed, parts.joints, parts.loads, contacts, turned, gives_way)
         body = placed.order.body(interfaces) if placed.order.modes else placed.source
         bodies.append((body, placed.order.start(placed.start, body)))
         said += taken

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from inspect import signature
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -23,16 +23,15 @@ from lcpflex.bodies.reduction.stiffening import Stiffening, check_stiffening
 from lcpflex.compile.missing_compliance import deficits
 from lcpflex.compile.surface_interfaces import Acting, acting_on
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.model.planar import N_RIGID
 
 if TYPE_CHECKING:
+    from lcpflex.bodies.spatial.body import SpatialBody
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.scene.declared import DeclaredContact
-    from lcpflex.scene.handles import Placed
-    from lcpflex.scene.joints.joint import Joint
-    from lcpflex.scene.loads.load import Load
 
 __all__ = ["ReductionOrder", "order_of"]
+
+AnyBody: TypeAlias = "Body | SpatialBody"
 
 MOST_MODES = 1_000_000  # far more than any body has that can be reduced
 CONTACT_NODES = 3  # of a surface that get residual modes: its ends and its middle
@@ -44,20 +43,20 @@ class ReductionOrder:
     """What ``scene.add(model, modes=...)`` asked for."""
 
     name: str  # of the body
-    model: Any  # Beam, Bar, or a mesh
+    model: Any  # Beam, Bar, or a mesh; in space SpatialBeam, Solid, SpatialMatrices
     modes: int
     options: Mapping[str, Any]  # of ``model.reduce`` besides
     contact_nodes: int | None  # None: as few as do, see MORE_NODES
     modal: FloatArray  # (modes,) initial coordinates of the free modes
     modal_velocity: FloatArray
-    made: dict[tuple[Interface, ...], Body] = field(default_factory=dict, repr=False)  # so far, by interfaces
+    made: dict[tuple[Interface, ...], AnyBody] = field(default_factory=dict, repr=False)  # so far, by interfaces
 
     @property
     def is_line(self) -> bool:
         """Whether it is a beam or bar, whose sections do not deform."""
         return isinstance(self.model, Beam | Bar)
 
-    def body(self, interfaces: tuple[Interface, ...]) -> Body:
+    def body(self, interfaces: tuple[Interface, ...]) -> AnyBody:
         """The body with residual modes for the interfaces; made once."""
         if interfaces not in self.made:
             try:
@@ -68,22 +67,26 @@ class ReductionOrder:
 
     def interfaces(
         self,
-        placed: Placed,
-        joints: Mapping[str, Joint],
-        loads: tuple[Load, ...],
+        placed: Any,
+        joints: Mapping[str, Any],
+        loads: tuple[Any, ...],
         contacts: Mapping[str, DeclaredContact],
-        angle: Callable[[int], float],
+        angle: Callable[[int], Any],
         gives_way: bool = False,
     ) -> tuple[tuple[Interface, ...], tuple[str, ...]]:
         """The interfaces of the body, each once, and how many nodes of surfaces were taken, in words.
 
-        ``angle`` of bodies at the start [rad]; ``gives_way``: every contact needs modes of its own. A body without free
-        modes is rigid, whatever acts on it.
+        ``angle`` of bodies at the start [rad], in space their rotation matrices; ``gives_way``: every contact needs
+        modes of its own. A body without free modes is rigid, whatever acts on it.
         """
         if not self.modes:
             return (), ()
 
         def acts(count: int | None) -> list[Acting]:
+            if not isinstance(placed.source, Body):
+                from lcpflex.compile.spatial.interfaces import spatial_acting_on  # which planar scenes do without
+
+                return spatial_acting_on(placed.body, placed.source, joints, loads, contacts, count, angle)
             return acting_on(
                 placed.body, joints, loads, contacts, count, self._snap, self.is_line, angle, gives_way,
                 placed.frame_point,
@@ -113,12 +116,14 @@ class ReductionOrder:
             kinds = left if count == 0 else kinds
         return [one for one in acts(CONTACT_NODES) if not one.surface or _kind(one) in kinds]
 
-    def start(self, placed: tuple[FloatArray, FloatArray], body: Body) -> tuple[FloatArray, FloatArray]:
-        """Initial configuration and velocity (3 + n,) of the reduced body: its residual modes begin at rest."""
+    def start(self, placed: tuple[FloatArray, FloatArray], body: AnyBody) -> tuple[FloatArray, FloatArray]:
+        """Initial configuration and velocity of the reduced body: its residual modes begin at rest.
+
+        ``placed``: of the undeformed one, which are those of the frame.
+        """
         still = np.zeros(body.modes - self.modes)
         q, u = placed
-        frame = slice(N_RIGID)
-        return np.concatenate([q[frame], self.modal, still]), np.concatenate([u[frame], self.modal_velocity, still])
+        return np.concatenate([q, self.modal, still]), np.concatenate([u, self.modal_velocity, still])
 
     def _snap(self, x: float, y: float) -> tuple[tuple[float, float], bool]:
         """The material nearest to a place, and whether the place is off it."""
@@ -147,6 +152,14 @@ def _equal(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
     )
 
 
+def _check_kind(model: Any, kind: type[AnyBody]) -> None:
+    """Refuse what becomes a body of the other dimension."""
+    in_space = getattr(model, "reduces_to", Body) is not Body
+    if in_space is (kind is Body):
+        words = "of space belong into a SpatialScene" if in_space else "planar ones belong into a Scene"
+        raise ModelError(f"body: {type(model).__name__} was given, which is not of this kind of scene: {words}")
+
+
 def _kind(acting: Acting) -> tuple[str, bool]:
     """The surface of a node, and whether it is struck along the axis of a line."""
     return acting.surface, acting.interface.along == (1.0, 0.0)
@@ -163,16 +176,18 @@ def order_of(
     modal: npt.ArrayLike | None,
     modal_velocity: npt.ArrayLike | None,
     others: Iterable[ReductionOrder],
-) -> tuple[ReductionOrder, Body]:
+    kind: type[AnyBody],
+) -> tuple[ReductionOrder, Any]:
     """The order of a scene, and the body without deformation that answers for points and surfaces until then.
 
-    ``others`` of the scene: of those that ask for the same, each reduction is made once.
+    ``others`` of the scene: of those that ask for the same, each reduction is made once. ``kind`` of its bodies.
 
     Raises
     ------
     ModelError
         For a model that cannot be reduced, and numbers that cannot be.
     """
+    _check_kind(model, kind)
     if modes is None:
         raise ModelError(f"modes: none were given for {type(model).__name__}, expected a number of free modes, modes=8")
     n = whole_number("modes", modes, 0, MOST_MODES)
@@ -197,4 +212,4 @@ def order_of(
         modal_velocity=zeros if modal_velocity is None else array_of("modal_velocity", modal_velocity, (n,)),
         made=next(alike, {}),
     )
-    return order, model.reduce(0) if order.is_line else undeformed(model)
+    return order, undeformed(model) if hasattr(model, "finite_elements") else model.reduce(0)

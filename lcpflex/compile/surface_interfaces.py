@@ -39,6 +39,7 @@ class Acting(NamedTuple):
     name: str  # of the joint, load or contact, for texts
     arm: float = math.inf  # of the forces that make a moment there [m]; infinite: it is one of its own
     surface: str = ""  # label of the surface of several nodes that it is one of
+    at: tuple[float, ...] = ()  # in space, where the interface is in the body frame [m], for texts
 
 
 Snap = Callable[[float, float], tuple[tuple[float, float], bool]]  # nearest material, and whether the place is off it

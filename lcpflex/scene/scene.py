@@ -24,6 +24,7 @@ from lcpflex.scene.handles import Place, Placed
 from lcpflex.scene.joints.joint import Joint
 from lcpflex.scene.loads.load import Load
 from lcpflex.scene.naming import free_name
+from lcpflex.scene.orders import is_reducible, refuse_options
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
 from lcpflex.scene.register import Register, Start
 from lcpflex.scene.sensors.sensor import Sensor, check_placed_sensor
@@ -148,10 +149,10 @@ class Scene(Register):
         """
         called = free_name("body", name, self._placed)
         order = None
-        if not isinstance(body, Body) and hasattr(body, "reduce") and not isinstance(body, type):
+        if is_reducible(body, (Body,)):
             others = (placed.order for placed in self._placed.values() if placed.order is not None)
             asked = (damping, stiffening, residual_damping, contact_nodes, modal, modal_velocity)
-            order, body = compiling.order_of(called, body, modes, *asked, others)
+            order, source = compiling.order_of(called, body, modes, *asked, others, Body)
             modal = modal_velocity = None
         elif not isinstance(body, Body):
             raise ModelError(f"body: {shown(body)} was given, expected a Body, or a flexible body and modes=8")
@@ -160,15 +161,12 @@ class Scene(Register):
                 "modes": modes, "damping": damping, "stiffening": stiffening, "residual_damping": residual_damping,
                 "contact_nodes": contact_nodes,
             }  # fmt: skip
-            for option, value in options.items():
-                if value is not None:
-                    raise ModelError(
-                        f"{option}: it was given for a Body, which has its modes, expected an unreduced one such as "
-                        "Beam(...)"
-                    )
-        start = _state(body.modes, position=position, angle=angle, modal=modal)
-        rate = _state(body.modes, velocity=velocity, angular_velocity=angular_velocity, modal_velocity=modal_velocity)
-        placed = Placed(called, len(self._placed), body, (start, rate), self, order)
+            refuse_options(options, "Body", "Beam(...)")
+            source = body
+        start = _state(source.modes, position=position, angle=angle, modal=modal)
+        rates = {"velocity": velocity, "angular_velocity": angular_velocity, "modal_velocity": modal_velocity}
+        rate = _state(source.modes, **rates)
+        placed = Placed(called, len(self._placed), source, (start, rate), self, order)
         if point is not None:
             place, turning = placed._arm(point)
             start[:2] -= place

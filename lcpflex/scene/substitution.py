@@ -140,16 +140,15 @@ class _Again:
 
 def _start(placed: Placed | SpatialPlaced, body: Any) -> Start:
     """Initial configuration and velocity of ``body`` in the place of the one that is there."""
-    if not isinstance(placed, Placed):
-        from lcpflex.scene.spatial.carried import spatial_start
-
-        return spatial_start(placed, body)
     q, u = placed.start
-    old = placed.source
-    assert old is not None
+    old: Any = placed.source
     if placed.order is not None:
         old = placed.order.body(())
         q, u = placed.order.start(placed.start, old)
+    if not isinstance(placed, Placed):
+        from lcpflex.scene.spatial.carried import spatial_start
+
+        return spatial_start(placed.name, old, (q, u), body)
     if same_basis(old, body):
         return q, u
     if not (q[N_RIGID:].any() or u[N_RIGID:].any()):

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["FiniteElements", "rigid_motions"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class FiniteElements:
     """A free-free mesh of N nodes with f degrees of freedom, in d = 2 or 3 dimensions; its makers have checked it.
 

@@ -24,6 +24,7 @@ from lcpflex.bodies.reduction.eigenmodes import (
     orthonormal_frame,
     softest,
 )
+from lcpflex.bodies.reduction.kept_factor import free_mesh
 from lcpflex.bodies.reduction.orthonormal_basis import joined, own_basis
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -147,7 +148,7 @@ def loaded_basis(mesh: Elastic, loads: FloatArray, modes: int | None, clamped: I
     most = elastic_count(mesh, clamped)
     n = count_of_modes(modes, most)
     check_memory("interfaces, modes", mesh.mass.shape[0], SHARE * (loads.shape[1] + n))
-    free: Flexible = FreeMesh.of(mesh) if clamped is None else HeldMesh(mesh, clamped)
+    free: Flexible = free_mesh(mesh) if clamped is None else HeldMesh(mesh, clamped)
     if not loads.shape[1] or n == most:
         return free.modes(n), n
     return interface_basis(free, loads, n), n

@@ -43,6 +43,7 @@ from lcpflex.bodies.reduction.bases import (
 from lcpflex.bodies.reduction.damping import Damping, count_of_modes, damped_modes
 from lcpflex.bodies.reduction.eigenmodes import FreeMesh, check_memory
 from lcpflex.bodies.reduction.interface import Interfaces
+from lcpflex.bodies.reduction.kept_factor import free_mesh
 from lcpflex.bodies.reduction.mesh_body import NO_RESIDUAL, body_of
 from lcpflex.bodies.reduction.mesh_interfaces import interface_loads, of_mesh
 from lcpflex.bodies.reduction.mesh_levels import Held, reduced
@@ -110,12 +111,12 @@ def free_interface(
         residual_damping=residual_damping,
     )  # fmt: skip
     if not places or n == most:
-        return reduced(mesh, lambda mesh: free_basis(FreeMesh.of(mesh), n), damping, stiffening, again, columns=n)
+        return reduced(mesh, lambda mesh: free_basis(free_mesh(mesh), n), damping, stiffening, again, columns=n)
     loads = interface_loads(mesh, places)
     check_memory("interfaces, modes", len(mesh.dofs), SHARE * (loads.shape[1] + n))
     touched = interface_loads(mesh, [place for place in places if place.contact]).shape[1]
     return reduced(
-        mesh, lambda mesh: interface_basis(FreeMesh.of(mesh), loads, n), damping, stiffening, again,
+        mesh, lambda mesh: interface_basis(free_mesh(mesh), loads, n), damping, stiffening, again,
         columns=n, held=Held(loads, touched, residual_damping),
     )  # fmt: skip
 

@@ -15,7 +15,15 @@ from lcpflex.basics.options import keep_flag
 from lcpflex.bodies.body import array_of
 from lcpflex.errors import ModelError, in_range, shown
 
-__all__ = ["Interface", "Interfaces", "interfaces_of"]
+__all__ = ["Interface", "Interfaces", "NodeMean", "interfaces_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class NodeMean:
+    """The point that stands for nodes of a mesh in space, by their numbers; weights None: those of the mesh."""
+
+    nodes: tuple[int, ...]
+    weights: tuple[float, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,14 +52,14 @@ class Interface:
     Source: MacNeal 1971; Rubin 1975.
     """
 
-    place: str | float | tuple[float, ...]
+    place: str | float | tuple[float, ...] | NodeMean
     along: tuple[float, ...] | None = None
     moment: bool = True
     contact: bool = True
     forces: bool = True
 
     def __post_init__(self) -> None:
-        if not isinstance(self.place, str):
+        if not isinstance(self.place, str | NodeMean):
             object.__setattr__(self, "place", _place(self.place))
         if self.along is not None:
             given = array_of("along", self.along, _axes(self.along))

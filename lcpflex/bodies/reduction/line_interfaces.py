@@ -56,7 +56,7 @@ def line_loads(length: float, thickness: float, interfaces: Sequence[Interface])
     stretch: set[float] = set()
     bend: set[tuple[float, float, float]] = set()
     for k, interface in enumerate(interfaces):
-        at = interface.place
+        at: Any = interface.place
         x, y = _on_line(f"interfaces[{k}]", (at, 0.0) if isinstance(at, (int, float)) else at, length, thickness)
         if interface.forces:
             _add_forces(stretch, bend, (x, y), interface.along, ALONG * length)
@@ -165,14 +165,14 @@ class LineStatics:
         self._modes: LineModes | None = None
         self.known: dict[Any, Any] = {}
 
-    def compliance(self, x: float, y: float) -> FloatArray:
+    def compliance(self, *place: Any) -> FloatArray:
         """(3, 3) displacement (x, y) [m] and rotation [rad] at a place by unit forces and a unit moment there."""
-        loads, omega2 = self._at(x, y)
+        loads, omega2 = self._at(*place)
         return np.asarray(loads.T @ (loads / omega2[:, None]))
 
-    def enough(self, x: float, y: float, rows: FloatArray, share: float) -> int:
+    def enough(self, place: tuple[Any, ...], rows: FloatArray, share: float) -> int:
         """How many free modes miss at most ``share`` of the compliance in the rows (3, k) at a place."""
-        loads, omega2 = self._at(x, y)
+        loads, omega2 = self._at(*place)
         part = np.sum((loads @ rows) ** 2, axis=1) / omega2
         order = np.argsort(omega2, kind="stable")
         missing = np.sum(part) - np.cumsum(part[order])

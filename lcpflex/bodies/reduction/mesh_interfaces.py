@@ -15,8 +15,9 @@ import numpy as np
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.nodal_material import Nodes, displacement_rows, material_weights, neighbours, nodes_at
 from lcpflex.bodies.fem.node_sets import chosen_nodes
-from lcpflex.bodies.reduction.eigenmodes import FreeMesh
+from lcpflex.bodies.reduction.eigenmodes import Elastic, FreeMesh
 from lcpflex.bodies.reduction.interface import Interface, Interfaces, interfaces_of
+from lcpflex.bodies.reduction.kept_factor import free_mesh
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 
@@ -50,7 +51,7 @@ def interface_loads(mesh: FiniteElements, interfaces: Sequence[Interface]) -> Fl
 
 def _places(mesh: FiniteElements, name: str, interface: Interface) -> list[Nodes]:
     """The nodes of an interface, one by one, or the material between nodes."""
-    place = interface.place
+    place: Any = interface.place
     if isinstance(place, tuple):
         x, y = place
         return [nodes_at(mesh, name, (x, y))]
@@ -65,33 +66,56 @@ def of_mesh(given: Interfaces) -> tuple[Interface, ...]:
 
 
 class MeshStatics:
-    """Static compliance of a whole mesh; its stiffness is factorised when that is first asked for."""
+    """Static compliance of a whole mesh; its stiffness is factorised when that is first asked for.
 
-    def __init__(self, mesh: FiniteElements) -> None:
+    loads : place -> (f, 3) or (f, 6) unit forces and moments there; None: in the plane, at a place (x, y)
+    """
+
+    def __init__(self, mesh: Elastic, loads: Callable[..., FloatArray] | None = None) -> None:
         self._mesh = mesh
-        self._known: dict[tuple[float, float], FloatArray] = {}
+        self._loads = _PlanarLoads(mesh) if loads is None and isinstance(mesh, FiniteElements) else loads
+        self._known: dict[Any, FloatArray] = {}
         self.known: dict[Any, Any] = {}
 
     @cached_property
     def _free(self) -> FreeMesh:
-        return FreeMesh.of(self._mesh)
+        return free_mesh(self._mesh)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the factor, which no copy can share."""
+        return {name: value for name, value in vars(self).items() if name != "_free"}
+
+    def compliance(self, *place: Any) -> FloatArray:
+        """(3, 3), in space (6, 6): displacement [m] and rotation [rad] at a place by unit forces and moments there.
+
+        place: x, y; in space the place of an :class:`Interface`.
+        """
+        if place not in self._known:
+            assert self._loads is not None
+            loads = self._loads(*place)
+            found = loads.T @ self._free.flexibility(loads)
+            self._known[place] = np.asarray(0.5 * (found + found.T))
+        return self._known[place]
+
+    def enough(self, place: tuple[Any, ...], rows: FloatArray, share: float) -> int:
+        """0: how many modes miss a share of it is not known without them."""
+        return 0
+
+
+class _PlanarLoads:
+    """Unit forces and a unit moment at places of a planar mesh."""
+
+    def __init__(self, mesh: FiniteElements) -> None:
+        self._mesh = mesh
 
     @cached_property
     def _near_to(self) -> Callable[[int], IntArray]:
         return neighbours(self._mesh)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Without the factor, which no copy can share."""
-        return {name: value for name, value in vars(self).items() if name not in ("_free", "_near_to")}
+        """Without what can be made again."""
+        return {name: value for name, value in vars(self).items() if name != "_near_to"}
 
-    def compliance(self, x: float, y: float) -> FloatArray:
-        """(3, 3) displacement (x, y) [m] and rotation [rad] at a place by unit forces and a unit moment there."""
-        if (x, y) not in self._known:
-            loads = displacement_rows(self._mesh, material_weights(self._mesh, x, y), self._near_to)
-            found = loads.T @ self._free.flexibility(loads)
-            self._known[x, y] = np.asarray(0.5 * (found + found.T))
-        return self._known[x, y]
-
-    def enough(self, x: float, y: float, rows: FloatArray, share: float) -> int:
-        """0: how many modes miss a share of it is not known without them."""
-        return 0
+    def __call__(self, x: float, y: float) -> FloatArray:
+        """(f, 3)."""
+        return displacement_rows(self._mesh, material_weights(self._mesh, x, y), self._near_to)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -18,7 +18,9 @@ from lcpflex.bodies.line_body import check_positive
 from lcpflex.bodies.reduction.again import reduction_by
 from lcpflex.bodies.reduction.bases import Basis, elastic_count, loaded_basis
 from lcpflex.bodies.reduction.damping import Damping, damped_modes
+from lcpflex.bodies.reduction.interface import Interface
 from lcpflex.bodies.reduction.mesh_body import Residual
+from lcpflex.bodies.reduction.mesh_interfaces import MeshStatics
 from lcpflex.bodies.reduction.stiffening import Stiffening
 from lcpflex.bodies.spatial.beam_elements import (
     DOFS,
@@ -30,8 +32,9 @@ from lcpflex.bodies.spatial.beam_elements import (
 )
 from lcpflex.bodies.spatial.beam_stiffening import BeamStiffening, Section, beam_stiffening
 from lcpflex.bodies.spatial.body import SpatialBody
-from lcpflex.bodies.spatial.elastic import ElasticMesh, Integrals, PointOperator, Surface, load_columns
+from lcpflex.bodies.spatial.elastic import ElasticMesh, Integrals, PointOperator, Surface
 from lcpflex.bodies.spatial.flexible import check_deformation, flexible_body
+from lcpflex.bodies.spatial.interfaces import interface_columns, unit_loads
 from lcpflex.errors import ModelError, as_number, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import frozen
@@ -42,7 +45,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SpatialBeam"]
 
-Station: TypeAlias = str | float | tuple[float, float, float]
+Station: TypeAlias = str | float | tuple[float, float, float] | Interface
 
 MOST = 300  # elements beyond which the bending stiffness drowns in rounding (omega^2 ~ elements^-4)
 OFF = 1e-9  # of the length, beyond the ends
@@ -100,6 +103,8 @@ class SpatialBeam:
     shear_factor: float | tuple[float, float] | None = 5.0 / 6.0
     elements: int = 40
 
+    reduces_to: ClassVar[type[SpatialBody]] = SpatialBody
+
     def __post_init__(self) -> None:
         check_positive(self, ("length", "area", "torsion_constant"))
         check_material(self, ratio=False)
@@ -138,8 +143,8 @@ class SpatialBeam:
         damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`;
             None for no damping
         interfaces : places where joints hold the beam, or springs or loads act: "left", "center", "right", x, or
-            (x, y, z). Each adds up to six residual modes behind the others, the static response to three forces and
-            three moments, so that the compliance there is that of the mesh
+            (x, y, z), or :class:`Interface`. Each adds up to six residual modes behind the others, the static response
+            to three forces and three moments, so that the compliance there is that of the mesh
         clamped : "left" or "right": the frame rides on that end, and the modes are those of a cantilever. None for the
             mean frame and free-free modes
         second_order : of how many of the first modes products are kept, as of :meth:`SpatialMatrices.reduce`
@@ -166,8 +171,9 @@ class SpatialBeam:
             held = DOFS * node + np.arange(DOFS)
         most = elastic_count(mesh, held)
         n = damped_modes(modes, most, damping, residual_damping)
-        places = [_place(self, one) for one in _listed(interfaces)]
-        loads = load_columns([(_operator(line, *place), True) for place in places], len(mesh.rank))
+        places = [one if isinstance(one, Interface) else _place(self, one) for one in _listed(interfaces)]
+        find = partial(_found, self, line)
+        loads = interface_columns(find, len(mesh.rank), places)
         found, n = loaded_basis(mesh, loads, n, held)
         residual = Residual(len(found[0]) - n, 0, residual_damping)
         basis = _by_strain(self._strains(line), found)
@@ -175,6 +181,7 @@ class SpatialBeam:
             mesh, basis if stiff is None else stiff.modes(basis), damping, residual, second_order,
             clamped=held is not None, resolution=Resolution(math.sqrt(self.youngs_modulus / self.density), line.h),
             recover=partial(_recovered, self, line, stiff), stiffened=None if stiff is None else stiff.by_spin,
+            statics=MeshStatics(mesh, partial(unit_loads, find, len(mesh.rank))),
             reduction=reduction_by(
                 self.reduce, n, most, damping, interfaces=places, clamped=clamped, second_order=second_order,
                 residual_damping=residual_damping, stiffening=stiffening,
@@ -277,7 +284,7 @@ def _shear_factor(given: Any) -> float | tuple[float, float] | None:
 
 
 def _listed(interfaces: Any) -> list[Any]:
-    if isinstance(interfaces, str):
+    if isinstance(interfaces, str | Interface):
         return [interfaces]
     return sequence_of("interfaces", interfaces, "a list of places, such as ['left', 0.1]", 10_000)
 
@@ -291,6 +298,11 @@ def _place(beam: SpatialBeam, given: Any) -> tuple[float, float, float]:
     number = as_number(given)
     x, y, z = (number, 0.0, 0.0) if number == number else array_of("interfaces", given, (3,))
     return _on_beam(beam, "interfaces", float(x)), float(y), float(z)
+
+
+def _found(beam: SpatialBeam, line: BeamMesh, name: str, place: Any) -> PointOperator:
+    """The point at the place of an interface."""
+    return _operator(line, *_place(beam, place))
 
 
 def _on_beam(beam: SpatialBeam, name: str, x: float) -> float:

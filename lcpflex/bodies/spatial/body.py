@@ -22,7 +22,7 @@ import numpy as np
 
 from lcpflex.basics.arguments import absent, array_of, mapping_of, positive, whole_number
 from lcpflex.basics.restored import restore
-from lcpflex.bodies.body import Resolution
+from lcpflex.bodies.body import Resolution, Statics
 from lcpflex.bodies.spatial.checks import check_inertia, check_products, even
 from lcpflex.bodies.spatial.shapes import SHAPES, Shape
 from lcpflex.errors import ModelError, shown
@@ -51,12 +51,14 @@ class SpatialPoint:
     psi : (n, 3) small rotation of the material at the point, of each mode [kg^-1/2 / m]
     turns : whether psi is known; False for nodes on one line, whose displacements tell no rotation about it (psi is
         zeros then): forces act there, and joints that leave all rotations free
+    made_at : what tells it of the mesh: a name, a place in its coordinates [m], or nodes; None where nothing does
     """
 
     place: FloatArray
     phi: FloatArray
     psi: FloatArray
     turns: bool = True
+    made_at: Any = field(default=None, repr=False)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,6 +107,7 @@ class SpatialBody:
     recovery : what its section forces are recovered from; None where it has none
     reduction : by how many modes of its mesh it was made, and what makes it with more; None where that is not known
     mesh_modes : its modes on its mesh; None where it has none
+    statics : static compliance of its whole mesh, (6, 6) by unit forces and moments; None where that is not known
 
     Raises
     ------
@@ -137,6 +140,7 @@ class SpatialBody:
     recovery: SpatialLineShapes | None = field(default=None, repr=False)
     reduction: Reduction[SpatialBody] | None = field(default=None, repr=False)
     mesh_modes: MeshModes | None = field(default=None, repr=False)
+    statics: Statics | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mass", positive("mass", self.mass))
@@ -171,6 +175,8 @@ class SpatialBody:
             raise ModelError(
                 f"mesh_modes: {shown(self.mesh_modes)} was given, expected None, or that of a reduced body"
             )
+        if self.statics is not None and not callable(getattr(self.statics, "compliance", None)):
+            raise ModelError(f"statics: {shown(self.statics)} was given, expected None, or those of a reduced body")
         if self.reduction is not None:
             from lcpflex.bodies.reduction.again import sealed_reduction  # which bodies given by hand do without
 

@@ -81,11 +81,11 @@ class ElasticMesh:
     surface: Surface | None = None
 
 
-def material(operator: PointOperator, shapes: FloatArray, origin: FloatArray) -> SpatialPoint:
+def material(operator: PointOperator, shapes: FloatArray, origin: FloatArray, made_at: Any) -> SpatialPoint:
     """The material point of a body with the shapes (f, n), its place from the origin of the frame."""
     local = shapes[operator.rows].T
     turns = operator.turns or not len(local)  # a rigid body turns as a whole
-    return SpatialPoint(operator.place - origin, local @ operator.u, local @ operator.psi, turns)
+    return SpatialPoint(operator.place - origin, local @ operator.u, local @ operator.psi, turns, made_at)
 
 
 def load_columns(operators: list[tuple[PointOperator, bool]], f: int) -> FloatArray:

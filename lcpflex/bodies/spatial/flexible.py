@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 
 from lcpflex.basics.arguments import array_of, whole_number
-from lcpflex.bodies.body import Lazily, Resolution
+from lcpflex.bodies.body import Lazily, Resolution, Statics
 from lcpflex.bodies.reduction.again import Reduction
 from lcpflex.bodies.reduction.bases import Basis
 from lcpflex.bodies.reduction.damping import Damping, signed, vanish
+from lcpflex.bodies.reduction.interface import NodeMean
 from lcpflex.bodies.reduction.mesh_body import Residual, damping_of
 from lcpflex.bodies.spatial.body import MeshModes, SpatialBody, SpatialPoint
 from lcpflex.bodies.spatial.checks import skew, skew_part
@@ -57,6 +58,7 @@ def flexible_body(
     recover: Callable[[FloatArray], SpatialLineShapes] | None = None,
     stiffened: Callable[[FloatArray, int], FloatArray | None] | None = None,
     reduction: Reduction[SpatialBody] | None = None,
+    statics: Statics | None = None,
 ) -> SpatialBody:
     """The body of a mesh in an orthonormal basis that diagonalises its stiffness.
 
@@ -71,6 +73,7 @@ def flexible_body(
     recover : what section forces are recovered from, of the shapes (f, n)
     stiffened : shapes (f, n), n2 -> the six matrices G (6, n, n) of what spin stiffens; None for a linear body
     reduction : what makes the body with another number of modes; None where it has no other
+    statics : of the mesh, which floats freely: not those of a clamped body
 
     Raises
     ------
@@ -117,6 +120,7 @@ def flexible_body(
         recovery=None if recover is None else recover(shapes),
         reduction=reduction,
         mesh_modes=MeshModes(mesh.mass, shapes),
+        statics=None if clamped else statics,
     )
 
 
@@ -176,18 +180,21 @@ def _centred(found: Integrals) -> Integrals:
 
 
 def _named(mesh: ElasticMesh, shapes: FloatArray, origin: FloatArray, name: str) -> SpatialPoint:
-    return material(mesh.points[name](), shapes, origin)
+    return material(mesh.points[name](), shapes, origin, name)
 
 
 def _located(mesh: ElasticMesh, shapes: FloatArray, origin: FloatArray, x: float, y: float, z: float) -> SpatialPoint:
     """The material at a place of the body frame, which the mesh knows by its own coordinates."""
-    moved = array_of("x, y, z", (x, y, z), (3,)) + origin
-    return material(mesh.locate(*moved.tolist()), shapes, origin)
+    moved = (array_of("x, y, z", (x, y, z), (3,)) + origin).tolist()
+    return material(mesh.locate(*moved), shapes, origin, tuple(moved))
 
 
 def _of_nodes(mesh: ElasticMesh, shapes: FloatArray, origin: FloatArray, nodes: Any, weights: Any) -> SpatialPoint:
     assert mesh.nodes is not None
-    return material(mesh.nodes(nodes, weights), shapes, origin)
+    operator = mesh.nodes(nodes, weights)  # which refuses others than numbers
+    chosen = tuple(np.atleast_1d(np.asarray(nodes)).tolist())
+    weighed = None if weights is None else tuple(np.asarray(weights, dtype=np.float64).tolist())
+    return material(operator, shapes, origin, NodeMean(chosen, weighed))
 
 
 def _shape(mesh: ElasticMesh, shapes: FloatArray, origin: FloatArray) -> SurfaceShape | None:

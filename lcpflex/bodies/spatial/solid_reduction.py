@@ -16,16 +16,18 @@ from lcpflex.bodies.fem.stiffness_error import warn_if_too_stiff
 from lcpflex.bodies.reduction.again import Reduction, reduction_by
 from lcpflex.bodies.reduction.bases import Basis, boundary_basis, elastic_count, given_basis, loaded_basis
 from lcpflex.bodies.reduction.damping import Damping, check_damping
-from lcpflex.bodies.reduction.interface import Interface
+from lcpflex.bodies.reduction.interface import Interface, NodeMean
 from lcpflex.bodies.reduction.mesh_body import NO_RESIDUAL, Residual
+from lcpflex.bodies.reduction.mesh_interfaces import MeshStatics
 from lcpflex.bodies.reduction.model import Known, Mesh
 from lcpflex.bodies.reduction.normal_rows import normal_boundary_basis, normal_loads
 from lcpflex.bodies.spatial.body import SpatialBody
-from lcpflex.bodies.spatial.elastic import PointOperator, load_columns
+from lcpflex.bodies.spatial.elastic import PointOperator
 from lcpflex.bodies.spatial.flexible import check_deformation, flexible_body
+from lcpflex.bodies.spatial.interfaces import Find, interface_columns, unit_loads
 from lcpflex.bodies.spatial.nodes import NodePoints
 from lcpflex.bodies.spatial.solid_mesh import solid_mesh
-from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.errors import ModelError, in_range
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["SpatialInterfaces", "reduce_solid", "solid_body"]
@@ -104,7 +106,7 @@ def reduce_solid(
         most = elastic_count(mesh, held)
         if damping is not None and modes is not None:
             check_damping(damping, min(modes, most) if isinstance(modes, int) else 0)
-        loads = interface_columns(mesh, held_at)
+        loads = interface_columns(_finder(mesh), len(mesh.dofs), held_at)
         if contact is not None:
             loads = np.hstack([loads, _contact_columns(mesh, contact, rows)])
         found, n = loaded_basis(mesh, loads, modes, held)
@@ -133,38 +135,19 @@ def solid_body(
         warn_if_too_stiff(mesh, basis[1])
     return flexible_body(
         solid_mesh(mesh), basis, damping, residual, second_order, clamped=clamped, resolution=mesh.resolution,
-        reduction=reduction,
+        reduction=reduction, statics=MeshStatics(mesh, partial(unit_loads, _finder(mesh), len(mesh.dofs))),
     )  # fmt: skip
 
 
-def interface_columns(mesh: FiniteElements, interfaces: Sequence[Any]) -> FloatArray:
-    """(f, k) unit forces and moments at interfaces: those that tell something."""
-    points = NodePoints(mesh)
-    columns = [np.zeros((len(mesh.dofs), 0))]
-    for k, one in enumerate(interfaces):
-        name = f"interfaces[{k}]"
-        if not isinstance(one, Interface):
-            several = not isinstance(one, int | np.integer)
-            columns.append(load_columns([(_point(mesh, points, name, one), several)], len(mesh.dofs)))
-            continue
-        operator = _point(mesh, points, name, one.place)
-        if one.forces:
-            forces = load_columns([(operator, False)], len(mesh.dofs))
-            columns.append(forces if one.along is None else forces @ _along(name, one))
-        if one.moment and operator.turns:
-            columns.append(load_columns([(operator._replace(u=operator.psi), False)], len(mesh.dofs)))
-    return np.hstack(columns)
-
-
-def _along(name: str, interface: Interface) -> FloatArray:
-    direction = np.array(interface.along)
-    if len(direction) != 3:
-        raise ModelError(f"{name}: along {shown(interface.along)} was given, expected a direction (x, y, z)")
-    return direction[:, None]
+def _finder(mesh: FiniteElements) -> Find:
+    """What finds the points of interfaces on a mesh."""
+    return partial(_point, mesh, NodePoints(mesh))
 
 
 def _point(mesh: FiniteElements, points: NodePoints, name: str, place: Any) -> PointOperator:
     """The point of a name, of nodes by their numbers, or at a place (x, y, z)."""
+    if isinstance(place, NodeMean):
+        return points.of_nodes(place.nodes, place.weights)
     if not isinstance(place, str) and np.size(place) == 3 and np.asarray(place).dtype.kind == "f":
         try:
             return points.at(*array_of(name, place, (3,)).tolist())

@@ -10,6 +10,8 @@ import numpy as np
 from lcpflex.bodies.spatial.shapes import CapsuleShape, CylinderShape, Shape, SphereShape, SurfaceShape
 from lcpflex.compile.compiled_scene import CompiledScene, Layout
 from lcpflex.compile.consistency import consistent_start, refuse_overbent, start_apart
+from lcpflex.compile.missing_compliance import missing_compliance
+from lcpflex.compile.reduced_scene import reduced_scene
 from lcpflex.compile.spatial.assembly import SpatialAssembly
 from lcpflex.compile.spatial.bodies import compile_spatial_bodies
 from lcpflex.compile.spatial.contacts import compile_spatial_contacts
@@ -33,13 +35,18 @@ __all__ = ["compiled_spatial_scene"]
 
 
 def compiled_spatial_scene(
-    scene: SpatialScene, project: bool, indents: Callable[[str], bool] | None = None, push: bool = False
+    scene: SpatialScene,
+    project: bool,
+    indents: Callable[[str], bool] | None = None,
+    gives_way: bool = False,
+    push: bool = False,
 ) -> CompiledScene:
-    """The scene as arrays. Raises ModelError for a start that cannot be.
+    """The scene with its bodies reduced, as arrays. Raises ModelError for a start that cannot be.
 
     ``indents``: which contacts may indent each other at the start, by their names. ``push``: the others are pushed out.
     """
-    parts = scene.parts()
+    reduced, said = reduced_scene(scene, gives_way, indents is not None)
+    parts = reduced.parts()
     if not parts.placed:
         raise ModelError("scene: it has no body, expected at least one: scene.add(...)")
     bodies = compile_spatial_bodies(parts.bodies)
@@ -90,6 +97,8 @@ def compiled_spatial_scene(
     if declared or rule:
         hard = {name for name, one in declared.items() if one.law is None and not (indents and indents(name))}
         q, u, notes = start_apart(model, layout, hard, q, u, external, size, push)
+    flexible = {p.body for p, body in zip(parts.placed, parts.bodies, strict=True) if body.modes}
+    touched = declared if rule is None else {**declared, **rule.first_contacts(flexible)}
     return CompiledScene(
         model,
         layout,
@@ -101,8 +110,8 @@ def compiled_spatial_scene(
         tuple(contact.law for contact in declared.values()),
         assembly.signals.functions,
         materials,
-        warnings=(*misfits, *left_out.warnings),
-        notes=(*left_out.notes, *notes),
+        warnings=(*misfits, *left_out.warnings, *missing_compliance(parts, touched)),
+        notes=(*left_out.notes, *notes, *(f"residual modes for {text}" for text in said)),
         recovery=tuple(body.recovery for body in parts.bodies),
         sensors=tuple(compiled_spatial_sensor(name, one, bodies, layout) for name, one in parts.sensors.items()),
     )

@@ -17,27 +17,26 @@ from lcpflex.scene.substitution import same_basis
 if TYPE_CHECKING:
     from lcpflex.bodies.spatial.body import SpatialBody
     from lcpflex.scene.register import Start
-    from lcpflex.scene.spatial.handles import SpatialPlaced
 
 __all__ = ["spatial_start"]
 
 LOST = 1e-6  # of a deformation, that other modes of its mesh may miss: rounding
 
 
-def spatial_start(placed: SpatialPlaced, body: SpatialBody) -> Start:
-    """Configuration (7 + n,) and velocity (6 + n,) of ``body`` in the place of the one that is there.
+def spatial_start(name: str, old: SpatialBody, start: Start, body: SpatialBody) -> Start:
+    """Configuration (7 + n,) and velocity (6 + n,) of ``body`` in the place of ``old`` with its ``start``.
+
+    name: of the body in the scene, for messages.
 
     Raises
     ------
     ModelError
         For an initial deformation that the new body cannot follow, or which is not known to be of its mesh.
     """
-    q, u = placed.start
-    old = placed.source
-    assert old is not None
+    q, u = start
     if same_basis(old, body):
         return q, u
-    modal, rate = (_carried(placed.name, old, body, part) for part in (q[N_PLACE:], u[N_RIGID:]))
+    modal, rate = (_carried(name, old, body, part) for part in (q[N_PLACE:], u[N_RIGID:]))
     return np.concatenate([q[:N_PLACE], modal]), np.concatenate([u[:N_RIGID], rate])
 
 

@@ -28,6 +28,7 @@ from lcpflex.scene.spatial.orientation import matrix_of
 if TYPE_CHECKING:
     from lcpflex.bodies.spatial.body import SpatialBody
     from lcpflex.jit.kernel import FloatArray
+    from lcpflex.scene.compiling import ReductionOrder
     from lcpflex.scene.register import Register
 
 __all__ = ["SpatialPlaced"]
@@ -57,11 +58,7 @@ class SpatialPlaced(PlacedBody):
     source: SpatialBody | None = field(repr=False)  # None for the ground
     start: tuple[FloatArray, FloatArray] = field(repr=False)  # (7 + n,) configuration and (6 + n,) velocity
     scene: Register = field(repr=False)
-
-    @property
-    def order(self) -> None:
-        """Of bodies that are reduced with their scene: in space, none."""
-        return None
+    order: ReductionOrder | None = field(default=None, repr=False)  # of a body that is reduced with its scene
 
     @property
     def has_outline(self) -> bool:
@@ -208,9 +205,10 @@ class SpatialPlaced(PlacedBody):
 
     def _check_rigid(self, kind: str) -> None:
         """Raise ModelError for a body whose points move apart: faces of a solid would not stay plane."""
-        if self.source is not None and self.source.modes:
+        modes = 0 if self.source is None else self.source.modes if self.order is None else self.order.modes
+        if modes:
             raise ModelError(
-                f"{kind}: {shown(self.name)} is flexible ({self.source.modes} modes), expected a rigid body or the "
+                f"{kind}: {shown(self.name)} is flexible ({modes} modes), expected a rigid body or the "
                 "ground: on it put sphere, capsule or cylinder, or take the surface of its mesh"
             )
 

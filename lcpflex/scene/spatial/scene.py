@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import absent, array_of, flag, told_by
-from lcpflex.bodies.body import Body
+from lcpflex.bodies.body import Body, Reducible
 from lcpflex.bodies.spatial.body import SpatialBody
 from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.force_laws.law import Law
@@ -20,6 +21,7 @@ from lcpflex.scene import compiling
 from lcpflex.scene.contact_rules import contact_between, rule_of
 from lcpflex.scene.declared import ContactRule, DeclaredContact
 from lcpflex.scene.naming import free_name
+from lcpflex.scene.orders import is_reducible, refuse_options
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
 from lcpflex.scene.register import Register, Start
 from lcpflex.scene.sensors.sensor import Sensor, check_placed_sensor
@@ -31,7 +33,10 @@ from lcpflex.scene.user_functions import check_names, functions_of
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-    from lcpflex.scene.compiling import CompiledScene
+    from lcpflex.bodies.reduction.damping import Damping
+    from lcpflex.bodies.reduction.stiffening import Stiffening
+    from lcpflex.jit.kernel import FloatArray
+    from lcpflex.scene.compiling import CompiledScene, ReductionOrder
 
 __all__ = ["SpatialParts", "SpatialScene"]
 
@@ -52,13 +57,19 @@ class SpatialParts(NamedTuple):
         """What was placed, in the same order."""
         return tuple(one.source for one in self.placed if one.source is not None)
 
+    def rotation(self, body: int) -> FloatArray:
+        """(3, 3) axes of a body at the start, those of the world for the ground."""
+        if body < 0:
+            return np.eye(3)
+        w, x, y, z = self.placed[body].start[0][3:7]
+        return np.asarray(libs.Rotation.from_quat([x, y, z, w]).as_matrix())
+
 
 _SLOTS = "slots are planar; in space let a sphere or capsule run between surfaces of ground.box(...) or of bodies"
 _KNOWN_AS = {
     **dict.fromkeys(("slot", "contact_slot"), _SLOTS),
     "revolute_with_clearance": "it is planar; in space let body.sphere(...) move in body.hole(...)",
     "with_bodies": "it is planar; in space make the scene anew with the other bodies",
-    "reduced": "bodies of space are reduced before they are added: SpatialBeam(...).reduce(modes=8)",
 }
 
 
@@ -116,7 +127,7 @@ class SpatialScene(Register):
 
     def add(
         self,
-        body: SpatialBody,
+        body: SpatialBody | Reducible,
         name: str | None = None,
         position: npt.ArrayLike = (0.0, 0.0, 0.0),
         orientation: Rotation | npt.ArrayLike | None = None,
@@ -126,15 +137,25 @@ class SpatialScene(Register):
         modal_velocity: npt.ArrayLike | None = None,
         *,
         point: Place | None = None,
+        modes: int | None = None,
+        damping: Damping | None = None,
+        stiffening: Stiffening | None = None,
+        residual_damping: float | None = None,
+        contact_nodes: int | None = None,
         **planar: Any,
     ) -> SpatialPlaced:
         """Put a body into the scene. The same body may be put in several times, and into several scenes.
 
+        ``scene.add(Solid(...), modes=8)`` reduces a flexible body for this scene, when it is compiled, as
+        :meth:`lcpflex.Scene.add` does: to its 8 lowest free modes, and to residual (static) modes for every joint,
+        load, spring and contact that is declared on it, so that its static compliance there is that of its mesh.
+
         Parameters
         ----------
         body
-            From ``Sphere``, ``Cuboid``, ``Cylinder``, ``Capsule``, ``ConvexHull``, ``SpatialBody``; or a flexible one
-            that was reduced, as ``SpatialBeam(...).reduce(modes=8)`` and ``SpatialMatrices(...).reduce(modes=8)``.
+            From ``Sphere``, ``Cuboid``, ``Cylinder``, ``Capsule``, ``ConvexHull``, ``SpatialBody``; a flexible one with
+            ``modes``: ``Solid``, ``SpatialMatrices``, ``SpatialBeam``; or one that was reduced by hand:
+            ``Solid(...).reduce(modes=8)``.
         name
             Unique in the scene; body1, body2, ... if omitted.
         position, orientation
@@ -148,22 +169,41 @@ class SpatialScene(Register):
             :class:`SpatialBeam`, or a place (3,) in its frame [m]; the origin of the frame if omitted, which is the
             middle of ``SpatialBeam`` (and the left end of the planar ``Beam``).
         modal, modal_velocity
-            (n,) initial modal coordinates [kg^1/2 m] and their rates, 0 if omitted.
+            (n,) initial modal coordinates [kg^1/2 m] and their rates, 0 if omitted; with ``modes``, of the free modes.
+        modes
+            Number of free modes, of a body that is reduced here; 0 for a rigid one.
+        damping, stiffening, residual_damping
+            As for ``body.reduce``; ``stiffening`` of what takes it there.
+        contact_nodes
+            At how many nodes of its mesh a surface that touches gets residual modes at most, evenly spread: for normal
+            forces, where there is friction for all. If omitted, as few as will do: none where the free modes give way
+            as the mesh does, to a hundredth, or else 3, 5 or 9; and 3 where 9 do not do.
         **planar
-            What only the planar ``add`` has (``modes``, ``damping``, ``angle``, ...): refused, with what is to be done
-            in space.
+            What only the planar ``add`` has (``angle``): refused, with what is to be done in space.
         """
-        _refuse_planar(planar, body)
+        _refuse_planar(planar)
         called = free_name("body", name, self._placed)
-        _check_body(body)
-        n = body.modes
+        order = None
+        options = {
+            "modes": modes, "damping": damping, "stiffening": stiffening, "residual_damping": residual_damping,
+            "contact_nodes": contact_nodes,
+        }  # fmt: skip
+        if is_reducible(body, (SpatialBody, Body)):
+            others = (placed.order for placed in self._placed.values() if placed.order is not None)
+            asked = (damping, stiffening, residual_damping, contact_nodes, modal, modal_velocity)
+            order, source = compiling.order_of(called, body, modes, *asked, others, SpatialBody)
+            modal = modal_velocity = None
+        else:
+            source = _checked(body)
+            refuse_options(options, "SpatialBody", "Solid(...)")
+        n = source.modes
         A = matrix_of("orientation", orientation)
         eta = np.zeros(n) if modal is None else array_of("modal", modal, (n,))
         rate = np.zeros(n) if modal_velocity is None else array_of("modal_velocity", modal_velocity, (n,))
         omega = A.T @ array_of("angular_velocity", angular_velocity, (3,))
         start = np.concatenate([array_of("position", position, (3,)), quaternion_of(A), eta])
         velocities = np.concatenate([array_of("velocity", velocity, (3,)), omega, rate])
-        placed = SpatialPlaced(called, len(self._placed), body, (start, velocities), self)
+        placed = SpatialPlaced(called, len(self._placed), source, (start, velocities), self, order)
         if point is not None:
             place, turning = placed._arm(point, A)
             start[:3] -= place
@@ -171,9 +211,9 @@ class SpatialScene(Register):
         self._placed[called] = placed
         return placed
 
-    def _put(self, name: str, body: SpatialBody, start: Start, order: None) -> None:
-        """Take a body of another scene by its name, at a configuration with a velocity."""
-        self._placed[name] = SpatialPlaced(name, len(self._placed), body, start, self)
+    def _put(self, name: str, body: SpatialBody, start: Start, order: ReductionOrder | None) -> None:
+        """Take a body of another scene by its name, at a configuration with a velocity; some are reduced later."""
+        self._placed[name] = SpatialPlaced(name, len(self._placed), body, start, self, order)
 
     def body(self, name: str) -> SpatialPlaced:
         """The body of that name."""
@@ -282,9 +322,13 @@ class SpatialScene(Register):
         """:meth:`compile` without a word: its warnings are those of the result.
 
         project, indents: as in :meth:`compile`. push: whether contacts that penetrate are pushed out, too. gives_way:
-        of bodies that are reduced with their scene, of which there are none.
+        bodies that are reduced here give way by modes of their own at every contact.
         """
-        return compiling.compiled_spatial_scene(self, project, indents, push)
+        return compiling.compiled_spatial_scene(self, project, indents, gives_way, push)
+
+    def reduced(self) -> SpatialScene:
+        """This scene with the bodies reduced that are reduced when it is compiled; itself where there are none."""
+        return compiling.reduced_scene(self)[0]
 
     def parts(self) -> SpatialParts:
         """What has been declared, in the order in which it was."""
@@ -303,35 +347,24 @@ class SpatialScene(Register):
         return self.ground if body < 0 else tuple(self._placed.values())[body]
 
 
-def _refuse_planar(given: Mapping[str, Any], body: object) -> None:
+def _refuse_planar(given: Mapping[str, Any]) -> None:
     """Raise ModelError for arguments that bodies of the plane have, TypeError for those that none has."""
     for name, value in given.items():
-        if name == "angle":
-            words = f"expected orientation=Rotation.from_rotvec([0, 0, {shown(value)}])"
-        elif name in ("modes", "damping"):
-            kind = type(body).__name__ if hasattr(body, "reduce") else "SpatialBeam"
-            told = ", ".join(f"{key}={shown(given[key])}" for key in ("modes", "damping") if key in given)
-            words = f"expected a body that is reduced before it is added: scene.add({kind}(...).reduce({told}))"
-        elif name == "stiffening":
-            words = "expected a beam that is reduced before it is added: SpatialBeam(...).reduce(stiffening=...)"
-        elif name in ("residual_damping", "contact_nodes"):
-            words = "expected none: bodies of space are reduced by .reduce(modes=..., interfaces=...) before"
-        else:
+        if name != "angle":
             raise TypeError(f"SpatialScene.add() got an unexpected keyword argument {name!r}")
+        words = f"expected orientation=Rotation.from_rotvec([0, 0, {shown(value)}])"
         raise ModelError(f"{name}: {shown(value)} was given, which is for planar scenes, {words}")
 
 
-def _check_body(body: object) -> None:
+def _checked(body: object) -> SpatialBody:
     if isinstance(body, SpatialBody):
-        return
+        return body
     if isinstance(body, Body):
         raise ModelError(
-            "body: a planar Body was given, expected a spatial one such as Cuboid(...), Sphere(...) or "
-            "SpatialBeam(...).reduce(modes=8)"
+            "body: a planar Body was given, expected a spatial one such as Cuboid(...), Sphere(...) or Solid(...) and "
+            "modes=8"
         )
-    if hasattr(body, "reduce") and not isinstance(body, type):
-        raise ModelError(
-            f"body: {type(body).__name__} was given, expected a SpatialBody: reduce a spatial one by .reduce(modes=8, "
-            "...) first; planar ones belong into a Scene"
-        )
-    raise ModelError(f"body: {shown(body)} was given, expected a SpatialBody such as Cuboid(...) or Sphere(...)")
+    raise ModelError(
+        f"body: {shown(body)} was given, expected a SpatialBody such as Cuboid(...) or Sphere(...), or a flexible body "
+        "and modes=8"
+    )

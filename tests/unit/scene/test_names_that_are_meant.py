@@ -85,13 +85,12 @@ class TestAddInSpace:
     @pytest.mark.parametrize(
         ("body", "given", "words"),
         [
-            (BEAM, {"modes": 8}, r"modes: 8 .*planar scenes, .*scene.add\(SpatialBeam\(...\).reduce\(modes=8\)\)"),
-            (BEAM, {"modes": 8, "damping": 0.01}, r"reduce\(modes=8, damping=0.01\)"),
-            (lf.Sphere(1.0, 1.0), {"modes": 4}, "planar scenes"),
+            (lf.Sphere(1.0, 1.0), {"modes": 4}, r"modes: it was given for a SpatialBody, .* such as Solid\(...\)"),
             (lf.Sphere(1.0, 1.0), {"angle": 0.3}, "orientation=Rotation.from_rotvec"),
-            (BEAM, {"contact_nodes": 3}, "contact_nodes: 3 .*interfaces"),
-            (BEAM.reduce(modes=2), {"stiffening": lf.Stiffening()}, "stiffening"),
-            (BEAM, {}, "reduce"),
+            (BEAM.reduce(modes=2), {"contact_nodes": 3}, "contact_nodes: it was given for a SpatialBody"),
+            (BEAM.reduce(modes=2), {"stiffening": lf.Stiffening()}, "stiffening: it was given for a SpatialBody"),
+            (BEAM, {}, "modes: none were given for SpatialBeam, expected a number of free modes, modes=8"),
+            (lf.Beam(1.0, 0.1, 0.1, 7800.0, 2e11), {"modes": 8}, "planar ones belong into a Scene"),
         ],
     )
     def test_what_the_plane_has_is_told(self, body, given, words):

@@ -280,7 +280,7 @@ def test_nodes_on_one_line_hold_no_rotation() -> None:
         Q = scene.ground.at(*P.material.place)
         made = of(P, Q)
         (scene.load if isinstance(made, lf.Torque | lf.Force | lf.Spring) else scene.join)(made)
-        return scene.compile()
+        return scene.compiled()
 
     held = lf.Revolute, lambda P, Q: lf.Weld(Q, P), lambda P, Q: lf.PointOnPlane(Q, P, (1, 0, 0))
     for turned in (*held, lambda P, Q: lf.Torque(P, (1.0, 0.0, 0.0))):
