@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -68,6 +69,8 @@ class CompiledScene:
     warnings: tuple[str, ...] = ()  # pairs that a rule leaves out, bodies that give way too little where they are held
     notes: tuple[str, ...] = ()  # which nodes of surfaces have residual modes, which bodies have no surface
     recovery: tuple[Shapes | None, ...] = field(default=(), repr=False)  # of each body, what stresses come from
+    spread: Mapping[int, tuple[IntArray, FloatArray]] = field(default_factory=dict, repr=False)  # nodes and weights
+    # that a material point is the mean of, of meshes whose stresses can be recovered
     laws_are_lost: bool = False  # whether contacts have force laws that are not here any more, as in a file
     sensors: tuple[Sensor, ...] = field(default=(), repr=False)
 

@@ -32,16 +32,16 @@ class LineShapes(NamedTuple):
 
 
 class MeshShapes(NamedTuple):
-    """A planar mesh of one kind of element with its material, and its modes at its N nodes."""
+    """A mesh of one kind of element with its material, in d = 2 or 3 dimensions, and its modes at its N nodes."""
 
     kind: str  # of the elements, by the names of :mod:`lcpflex.bodies.fem.mesh`
-    places: FloatArray  # (N, 2) [m]
+    places: FloatArray  # (N, d) in the frame of the body [m]
     cells: IntArray  # (elements, nodes of one)
     density: float  # [kg/m^3]
     lame: tuple[float, float]  # L and G [Pa], L that of plane stress for plane stress
-    thickness: float | None  # [m]; None: a solid of revolution about y = 0
+    thickness: float | None  # [m]; None: a solid of revolution about y = 0; 1 in space
     plane_stress: bool
-    phi: FloatArray  # (N, 2, n) [kg^-1/2]
+    phi: FloatArray  # (N, d, n) [kg^-1/2]
 
 
 class SpatialLineShapes(NamedTuple):

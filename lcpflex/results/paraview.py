@@ -124,8 +124,7 @@ def _stresses(result: Result, compiled: CompiledScene, shape: Shape, rows: IntAr
         found = Stress(result.times[rows], history.places, *history._recovery.at(rows))
     except ModelError as error:
         raise ModelError(f"{error}; to_vtkhdf(..., stress=False) leaves stresses out") from error
-    none = np.zeros_like(found.xy)
-    parts = found.von_mises, found.xx, found.yy, found.zz, found.xy, none, none
+    parts = found.von_mises, found.xx, found.yy, found.zz, found.xy, found.yz, found.zx
     return np.stack(parts, axis=-1)[:, shape.stress_at]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 import numpy as np
 
@@ -11,10 +11,9 @@ from lcpflex.basics.arguments import flag, whole_number
 from lcpflex.basics.attributes import NamesNearest
 from lcpflex.bodies.reduction.mesh_stress import MeshStress
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.model.planar import N_RIGID
-from lcpflex.model.recovery import LineShapes, MeshShapes
-from lcpflex.results.acting_forces import ActingForces
-from lcpflex.results.places import turned
+from lcpflex.model.layout import dimension, place_offsets
+from lcpflex.model.recovery import LineShapes, MeshShapes, SpatialLineShapes
+from lcpflex.results.mesh_loads import PlanarMeshLoads
 from lcpflex.results.section_forces import body_of_result, mean_step, section_forces
 
 if TYPE_CHECKING:
@@ -24,23 +23,27 @@ if TYPE_CHECKING:
 
 __all__ = ["Stress", "StressHistory", "stress_history"]
 
+FloatArrayOrNone: TypeAlias = "FloatArray"  # what may be omitted, and is there once it is made
+
 AT_ONCE = 64  # instants
 MEMORY = 4 * 2**30  # bytes that the stresses of all instants may take
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stress:
-    """Stresses at p places of a body at m instants, or at one, in the axes of the body.
+    """Stresses at p places of a body at m instants, or at one, in the axes of the body: (m, p) or (p,) each.
 
     Attributes
     ----------
     times
         (m,), or () of one instant [s].
     places
-        (p, 2) undeformed, in the frame of the body [m].
+        (p, 2), or (p, 3) in space, undeformed, in the frame of the body [m].
     xx, yy, xy, zz
-        (m, p) or (p,) sigma_xx, sigma_yy, sigma_xy and sigma_zz [Pa]. sigma_zz is that across the plane, 0 in plane
-        stress; of a solid of revolution that along the hoop.
+        (m, p) or (p,) sigma_xx, sigma_yy, sigma_xy and sigma_zz [Pa]. sigma_zz of a planar body is that across the
+        plane, 0 in plane stress; of a solid of revolution that along the hoop.
+    yz, zx
+        (m, p) or (p,) sigma_yz and sigma_zx [Pa]; zeros of a planar body.
     """
 
     times: FloatArray
@@ -49,12 +52,29 @@ class Stress:
     yy: FloatArray
     xy: FloatArray
     zz: FloatArray
+    yz: FloatArrayOrNone = None  # type: ignore[assignment]  # zeros where omitted
+    zx: FloatArrayOrNone = None  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        for name in ("yz", "zx"):
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, np.broadcast_to(0.0, np.shape(self.xx)))
 
     @property
     def von_mises(self) -> FloatArray:
-        """(m, p) or (p,) sqrt(((xx - yy)^2 + (yy - zz)^2 + (zz - xx)^2) / 2 + 3 xy^2) [Pa]."""
+        """(m, p) or (p,) sqrt(((xx - yy)^2 + (yy - zz)^2 + (zz - xx)^2) / 2 + 3 (xy^2 + yz^2 + zx^2)) [Pa]."""
         direct = (self.xx - self.yy) ** 2 + (self.yy - self.zz) ** 2 + (self.zz - self.xx) ** 2
-        return np.sqrt(0.5 * direct + 3.0 * self.xy**2)
+        return np.sqrt(0.5 * direct + 3.0 * (self.xy**2 + self.yz**2 + self.zx**2))
+
+    @property
+    def principal(self) -> FloatArray:
+        """(m, p, 3) or (p, 3) principal stresses, the largest first [Pa]; NaN where a stress is not finite."""
+        rows = (self.xx, self.xy, self.zx), (self.xy, self.yy, self.yz), (self.zx, self.yz, self.zz)
+        tensor = np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+        finite = np.isfinite(tensor).all(axis=(-2, -1))
+        found = np.full((*finite.shape, 3), np.nan)
+        found[finite] = np.linalg.eigvalsh(tensor[finite])[:, ::-1]
+        return found
 
 
 class Recovery(Protocol):
@@ -63,7 +83,7 @@ class Recovery(Protocol):
     places: FloatArray
 
     def at(self, records: IntArray) -> FloatArray:
-        """(4, m, p) at some stored instants [Pa]."""
+        """(4 or 6, m, p) at some stored instants, in the order of the fields of :class:`Stress` [Pa]."""
         ...
 
 
@@ -78,8 +98,9 @@ class StressHistory(NamesNearest):
     of the modes and of the static part of what they leave out, under all that acts (see
     :mod:`lcpflex.bodies.reduction.mesh_stress`). Strains are taken at the points of reduced integration of an element,
     extrapolated to its nodes and averaged over the elements that meet there (:mod:`lcpflex.bodies.fem.nodal_stress`);
-    plane stress or strain as the body was made. Of a beam: sigma_xx = N / A - M y / I and sigma_xy = 3 V / (2 A)
-    (1 - (2 y / h)^2) from its section forces, at the bottom, axis and top of each node; of a bar N / A at its nodes.
+    plane stress or strain as a planar body was made, all six of a solid in space. Of a planar beam:
+    sigma_xx = N / A - M y / I and sigma_xy = 3 V / (2 A) (1 - (2 y / h)^2) from its section forces, at the bottom, axis
+    and top of each node; of a bar N / A at its nodes.
 
     Forces are those of :class:`SectionForces`: modes that the steps do not follow count as static here, too.
 
@@ -88,7 +109,7 @@ class StressHistory(NamesNearest):
     body, times
         Its name, and the stored instants (m,) [s].
     places
-        (p, 2) where stresses are known, undeformed, in the frame of the body [m].
+        (p, 2), or (p, 3) in space, where stresses are known, undeformed, in the frame of the body [m].
     """
 
     body: str
@@ -117,14 +138,15 @@ class StressHistory(NamesNearest):
 
     def all(self) -> Stress:
         """The stresses at all stored instants. Raises ModelError where they would take more than 4 GiB."""
-        needed = 4 * 8 * len(self.times) * len(self.places)
+        parts = 4 if self.places.shape[1] == 2 else 6
+        needed = parts * 8 * len(self.times) * len(self.places)
         if needed > MEMORY:
             raise ModelError(
                 f"stress: {len(self.times)} instants of {len(self.places)} places would take {needed / 2**30:.3g} GiB, "
                 f"expected at most {MEMORY / 2**30:g}: take instants one by one, at(t), or peak()"
             )
-        parts = [self._recovery.at(rows) for rows in _chunks(len(self.times))]
-        whole = np.concatenate([np.zeros((4, 0, len(self.places))), *parts], axis=1)
+        found = [self._recovery.at(rows) for rows in _chunks(len(self.times))]
+        whole = np.concatenate([np.zeros((parts, 0, len(self.places))), *found], axis=1)
         return Stress(self.times, self.places, *whole)
 
     def peak(self) -> FloatArray:
@@ -144,8 +166,6 @@ def stress_history(result: Result, body: str, static: bool, step: float | None =
     """See :meth:`lcpflex.results.result.Result.stress`; ``step``: mean one of the run, None: that of the result."""
     step = mean_step(result, step)
     compiled, b = body_of_result(result, body, "stress")
-    if compiled.spatial:
-        raise ModelError(f"stress: body {body!r} moves in space, and stress is planar so far; expected a planar body")
     shapes = compiled.recovery[b] if compiled.recovery else None
     whole = flag("static", static)
     recovery: Recovery
@@ -159,9 +179,14 @@ def stress_history(result: Result, body: str, static: bool, step: float | None =
     elif isinstance(shapes, MeshShapes):
         recovery = _OfMesh(result, compiled, b, shapes, whole, step)
     else:
+        kinds = "a Beam, a Bar, or a body with modes of a Continuum or SolidOfRevolution"
+        if compiled.spatial:
+            kinds = "a body with modes of a Solid"
+            if isinstance(shapes, SpatialLineShapes):
+                kinds += " (stresses of beams are planar so far; section(body, x) tells their section forces)"
         raise ModelError(
-            f"body: {shown(body)} was given, expected a Beam, a Bar, or a body with modes of a Continuum or "
-            "SolidOfRevolution (a file keeps no mesh with more than 2e6 numbers of its modes)"
+            f"body: {shown(body)} was given, expected {kinds}"
+            + (" (a file keeps no mesh with more than 2e6 numbers of its modes)" if shapes is None else "")
         )
     return StressHistory(body, result.times, recovery.places, recovery)
 
@@ -188,11 +213,14 @@ class _OfLine:
         return np.stack([xx.reshape(none.shape), none, xy.reshape(none.shape), none])
 
 
-class _Parts(NamedTuple):
-    """Of q: the frame of a body and its modes."""
+class MeshLoads(Protocol):
+    """What acts on a meshed body."""
 
-    frame: slice
-    modal: IntArray
+    still: IntArray  # of u: modes that do not move, see :mod:`lcpflex.results.acting_forces`
+
+    def of(self, mesh: MeshStress, record: int) -> FloatArray:
+        """(f,) nodal loads of all that acts at a stored instant, inertia as well [N], in the axes of the body."""
+        ...
 
 
 class _OfMesh:
@@ -201,47 +229,30 @@ class _OfMesh:
     def __init__(
         self, result: Result, compiled: CompiledScene, b: int, shapes: MeshShapes, static: bool, step: float
     ) -> None:
-        self._result, self._model, self._b = result, compiled.model, b
-        self._acting = ActingForces(compiled, step, result.outside) if static else None
-        first = int(compiled.model.bodies.dof[b]) + N_RIGID
-        every = np.arange(first, int(compiled.model.bodies.dof[b + 1]))
-        kept = every if self._acting is None else np.setdiff1d(every, self._acting.still)
-        self._parts = _Parts(slice(first - N_RIGID, first), kept)
+        bodies = compiled.model.bodies
+        self._result = result
+        self._loads = _loads_on(result, compiled, b, step) if static else None
+        sizes = dimension(bodies)
+        first = int(bodies.dof[b]) + sizes.rigid
+        every = np.arange(first, int(bodies.dof[b + 1]))
+        kept = every if self._loads is None else np.setdiff1d(every, self._loads.still)
+        self._modal = int(place_offsets(bodies)[b]) + sizes.places + kept - first
         self._mesh = MeshStress(shapes, kept - first)
         self.places = shapes.places
 
     def at(self, records: IntArray) -> FloatArray:
         """See :class:`Recovery`."""
-        mesh, q = self._mesh, self._result.q[records][:, self._parts.modal]
+        mesh, q = self._mesh, self._result.q[records][:, self._modal]
         moved = np.einsum("idn,mn->idm", mesh.phi, q)
-        if self._acting is not None and not mesh.complete:
-            loads = np.stack([self._loads(self._acting, int(k)) for k in records], axis=1)
+        if self._loads is not None and not mesh.complete:
+            loads = np.stack([self._loads.of(mesh, int(k)) for k in records], axis=1)
             moved += mesh.left_out(loads)
         return np.moveaxis(mesh.stress(moved), 2, 1)
 
-    def _loads(self, acting: ActingForces, k: int) -> FloatArray:
-        """(f,) nodal loads of all that acts on the body at a stored instant, inertia as well [N], body axes."""
-        result, model, mesh = self._result, self._model, self._mesh
-        q, u = result.q[k], result.u[k].copy()
-        u[acting.still] = 0.0
-        acceleration, loads = acting.at(k, result.contact_points.at(k), float(result.times[k]), q, u)
-        felt = self._felt(q, u, acceleration).ravel()[mesh.mesh.dofs]
-        total = np.asarray(mesh.mesh.mass @ felt)
-        back = np.array(-q[self._parts.frame][2])
-        for load in loads:
-            if load.body == self._b:
-                at = [(*model.points.place[p].tolist(), weight) for p, weight in load.points]
-                rows = sum((weight * mesh.load_rows(x, y) for x, y, weight in at), np.zeros((len(total), 3)))
-                total += rows[:, :2] @ turned(back, load.force) + rows[:, 2] * load.moment
-        return total
 
-    def _felt(self, q: FloatArray, u: FloatArray, acceleration: FloatArray) -> FloatArray:
-        """(N, 2) g - rddot of the nodes in the frame of the body [m/s^2]."""
-        frame, modal = self._parts
-        phi = self._mesh.phi
-        s = self.places + phi @ q[modal]
-        omega, alpha = float(u[frame][2]), float(acceleration[frame][2])
-        across = alpha * s + 2.0 * omega * (phi @ u[modal])
-        turning = np.column_stack([-across[:, 1], across[:, 0]])
-        weight = turned(np.array(-q[frame][2]), self._model.loads.gravity - acceleration[frame][:2])
-        return np.asarray(weight - turning + omega * omega * s - phi @ acceleration[modal])
+def _loads_on(result: Result, compiled: CompiledScene, b: int, step: float) -> MeshLoads:
+    if compiled.spatial:
+        from lcpflex.results.spatial.mesh_loads import SpatialMeshLoads
+
+        return SpatialMeshLoads(result, compiled, b, step)
+    return PlanarMeshLoads(result, compiled, b, step)

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ElasticSolid",
+    "bubble_amounts",
     "bubble_gradients",
     "geometric_stiffness",
     "gradients_at",
@@ -206,11 +207,9 @@ def _spatial(solid: ElasticSolid, purpose: int, of_elements: _OfElements) -> csc
     """The sum of matrices of elements (m, k, k), some at a time, exactly symmetric."""
     mesh = solid.mesh
     kind, count = mesh.kind, len(mesh.places)
-    X, weight = libs.skfem.quadrature.get_quadrature(getattr(libs.skfem, kind.element)(), ORDERS[kind.element][purpose])
-    N, dN = shape_functions(mesh.kind, X)
-    rule = _Rule(X, np.asarray(weight), N, dN)
+    rule = _rule(kind, purpose)
     width = 1 if purpose == MASS else 3
-    size = max(1, AT_ONCE // max((width * kind.nodes) ** 2, 3 * dN.shape[0] * kind.nodes))
+    size = max(1, AT_ONCE // max((width * kind.nodes) ** 2, 3 * len(rule.N) * kind.nodes))
     total = libs.sparse.csc_matrix((width * count, width * count))
     for group in range(0, len(mesh.cells), SUMMED * size):
         rows, columns, values = [], [], []
@@ -227,6 +226,12 @@ def _spatial(solid: ElasticSolid, purpose: int, of_elements: _OfElements) -> csc
     return (0.5 * (total + total.T)).tocsc()
 
 
+def _rule(kind: Kind, purpose: int) -> _Rule:
+    order = ORDERS[kind.element][purpose]
+    X, weight = libs.skfem.quadrature.get_quadrature(getattr(libs.skfem, kind.element)(), order)
+    return _Rule(X, np.asarray(weight), *shape_functions(kind, X))
+
+
 def _element_mass(solid: ElasticSolid, corners: FloatArray, rule: _Rule, first: int) -> FloatArray:
     """(m, k, k) rho int N_i N_j dV of the elements from ``first`` on."""
     measure = solid.density * _gradients(corners, rule.dN, (solid, first))[1] * rule.weight
@@ -239,14 +244,35 @@ def _element_stiffness(solid: ElasticSolid, corners: FloatArray, rule: _Rule, fi
     slopes, det = _gradients(corners, rule.dN, (solid, first))
     if solid.mesh.kind.name != "hexahedron":
         return _elastic_energy(solid, slopes, det * rule.weight)
-    own = slopes.shape[2]
-    both = np.concatenate([slopes, bubble_gradients(solid, corners, rule.X, det)], axis=2)
-    whole = _elastic_energy(solid, both, det * rule.weight)
-    kept, bubbles = slice(0, 3 * own), slice(3 * own, None)
-    stiff = whole[:, kept, kept]
-    return np.asarray(
-        stiff - whole[:, kept, bubbles] @ np.linalg.solve(whole[:, bubbles, bubbles], whole[:, bubbles, kept])
-    )
+    whole, own = _with_bubbles(solid, corners, rule, (slopes, det)), 3 * slopes.shape[2]
+    return np.asarray(whole[:, :own, :own] + whole[:, :own, own:] @ _condensed(whole, own))
+
+
+def _with_bubbles(
+    solid: ElasticSolid, corners: FloatArray, rule: _Rule, at: tuple[FloatArray, FloatArray]
+) -> FloatArray:
+    """(m, 33, 33) stiffness of hexahedra, the bubbles behind the nodes; at: their :func:`_gradients`."""
+    both = np.concatenate([at[0], bubble_gradients(solid, corners, rule.X)], axis=2)
+    return _elastic_energy(solid, both, at[1] * rule.weight)
+
+
+def _condensed(whole: FloatArray, own: int) -> FloatArray:
+    """(m, 9, 24) -K_bb^-1 K_bu."""
+    return -np.asarray(np.linalg.solve(whole[:, own:, own:], whole[:, own:, :own]))
+
+
+def bubble_amounts(solid: ElasticSolid, corners: FloatArray) -> FloatArray:
+    """(m, 9, 24) amounts of the bubbles by the nodal displacements of hexahedra with nodes (m, 8, 3).
+
+    Three bubbles along x, y and z each: row 3 k + i is bubble k along i.
+    """
+    rule, found = _rule(solid.mesh.kind, STIFFNESS), np.empty((len(corners), 9, 24))
+    size = AT_ONCE // 33**2
+    for first in range(0, len(corners), size):
+        some = corners[first : first + size]
+        whole = _with_bubbles(solid, some, rule, _gradients(some, rule.dN))
+        found[first : first + size] = _condensed(whole, 24)
+    return found
 
 
 def _elastic_energy(solid: ElasticSolid, slopes: FloatArray, measure: FloatArray) -> FloatArray:
@@ -262,8 +288,9 @@ def _elastic_energy(solid: ElasticSolid, slopes: FloatArray, measure: FloatArray
     return np.asarray(found.reshape(m, 3 * k, 3 * k))
 
 
-def bubble_gradients(solid: ElasticSolid, corners: FloatArray, X: FloatArray, det: FloatArray) -> FloatArray:
-    """(m, q, 3, 3) gradients of the bubbles 1 - xi_k^2, xi = 2 X - 1, of hexahedra with det J (m, q) at X (3, q)."""
+def bubble_gradients(solid: ElasticSolid, corners: FloatArray, X: FloatArray) -> FloatArray:
+    """(m, q, 3, 3) gradients at X (3, q) of the bubbles 1 - xi_k^2, xi = 2 X - 1, of hexahedra."""
+    det = _gradients(corners, shape_functions(solid.mesh.kind, X)[1])[1]
     at_centre = shape_functions(solid.mesh.kind, np.full((3, 1), 0.5))[1]
     J = np.einsum("mni,nj->mij", corners, at_centre[0])
     slope = -4.0 * (2.0 * X - 1.0)  # of each bubble along its own axis of the reference element

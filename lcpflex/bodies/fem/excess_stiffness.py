@@ -30,7 +30,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.basics import libs
-from lcpflex.bodies.fem.assembly import ElasticSolid, bubble_gradients, reference_corners, shape_functions
+from lcpflex.bodies.fem.assembly import (
+    ElasticSolid,
+    bubble_amounts,
+    bubble_gradients,
+    reference_corners,
+    shape_functions,
+)
 from lcpflex.bodies.fem.mesh import Mesh
 from lcpflex.jit.kernel import FloatArray
 
@@ -186,9 +192,8 @@ def _fields(solid: ElasticSolid, some: slice, shapes: FloatArray) -> tuple[_Fiel
         hump = _Fields(sign * hump.strain, sign * hump.moving)
     strain = own.strain @ nodal
     if mesh.kind.name == "hexahedron":  # its incompatible modes give way
-        bubbles = strain_of(bubble_gradients(solid, corners, X, det), np.zeros((X.shape[1], 3)))
-        over = np.swapaxes(bubbles, 1, 2)
-        strain = strain - bubbles @ np.linalg.solve(over @ bubbles, over @ strain)
+        bubbles = strain_of(bubble_gradients(solid, corners, X), np.zeros((X.shape[1], 3)))
+        strain = strain + bubbles @ (bubble_amounts(solid, corners) @ nodal)
     return hump, _Fields(strain, own.moving @ nodal)
 
 

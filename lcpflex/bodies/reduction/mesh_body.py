@@ -91,18 +91,23 @@ def body_of(
         resolution=mesh.resolution,
         residual_modes=residual.modes,
         contact_modes=residual.of_contacts,
-        recovery=_recovery(mesh, nodal),
+        recovery=mesh_shapes(mesh, nodal),
         products=partial(_products, mesh=mesh, weighed=weighed),
     )
 
 
-def _recovery(mesh: FiniteElements, nodal: FloatArray) -> MeshShapes | None:
+def mesh_shapes(mesh: FiniteElements, nodal: FloatArray, origin: FloatArray | None = None) -> MeshShapes | None:
+    """What stresses of modes (N, d, n) are recovered from; None where the elements are not known.
+
+    origin: (d,) of the frame of the body in the coordinates of the mesh [m]; None for theirs.
+    """
     solid = mesh.solid
     if solid is None or not nodal.shape[2]:
         return None
     names = [name for name, kind in KINDS.items() if kind == solid.mesh.kind]
     lame = (float(solid.lame[0]), float(solid.lame[1]))
-    at = (solid.mesh.places, solid.mesh.cells, solid.density, lame, solid.thickness, solid.plane_stress)
+    places = solid.mesh.places if origin is None else solid.mesh.places - origin
+    at = (places, solid.mesh.cells, solid.density, lame, solid.thickness, solid.plane_stress)
     return MeshShapes(names[0], *at, nodal)
 
 

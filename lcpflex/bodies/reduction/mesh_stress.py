@@ -21,7 +21,6 @@ from lcpflex.bodies.fem.assembly import ElasticSolid
 from lcpflex.bodies.fem.elastic_mesh import bare_elements
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.mesh import KINDS, Mesh
-from lcpflex.bodies.fem.nodal_material import displacement_rows, material_weights, neighbours
 from lcpflex.bodies.fem.nodal_stress import NodalGradients, nodal_gradients, nodal_stress
 from lcpflex.bodies.reduction.eigenmodes import FreeMesh
 from lcpflex.jit.kernel import FloatArray
@@ -41,7 +40,6 @@ class MeshStress:
         self.phi = np.asarray(shapes.phi[:, :, kept])
         mesh = Mesh(KINDS[shapes.kind], shapes.places, shapes.cells)
         self.solid = ElasticSolid(mesh, shapes.density, shapes.lame, shapes.thickness, shapes.plane_stress)
-        self._known: dict[tuple[float, float], FloatArray] = {}
 
     @cached_property
     def mesh(self) -> FiniteElements:
@@ -62,28 +60,21 @@ class MeshStress:
         return FreeMesh.of(self.mesh)
 
     @cached_property
-    def _near_to(self) -> Any:
-        return neighbours(self.mesh)
-
-    @cached_property
     def _modes(self) -> tuple[FloatArray, FloatArray]:
         """Phi (f, k) and Phi (Phi^T K Phi)^-1."""
-        phi = self.phi.reshape(2 * len(self.phi), self.phi.shape[2])[self.mesh.dofs]
+        N, d, k = self.phi.shape
+        phi = self.phi.reshape(N * d, k)[self.mesh.dofs]
         stiff = phi.T @ (self.mesh.stiffness @ phi)
         return phi, np.asarray(np.linalg.solve(0.5 * (stiff + stiff.T), phi.T).T)
 
     def stress(self, displacements: FloatArray) -> FloatArray:
-        """(4, N, m) sigma_xx, sigma_yy, sigma_xy, sigma_zz [Pa] of nodal displacements (N, 2, m) [m]."""
+        """(4, N, m) sigma_xx, sigma_yy, sigma_xy, sigma_zz [Pa] of nodal displacements (N, 2, m) [m].
+
+        In space (6, N, m) with sigma_yz and sigma_zx, of (N, 3, m).
+        """
         return nodal_stress(self.solid, self._gradients, displacements)
 
-    def load_rows(self, x: float, y: float) -> FloatArray:
-        """(f, 3) nodal loads of unit forces and a unit moment on the material at (x, y)."""
-        if (x, y) not in self._known:
-            at = material_weights(self.mesh, x, y)
-            self._known[x, y] = displacement_rows(self.mesh, at, self._near_to)
-        return self._known[x, y]
-
     def left_out(self, loads: FloatArray) -> FloatArray:
-        """(N, 2, m) static displacements [m] under nodal loads (f, m) [N] beyond those of the modes."""
+        """(N, d, m) static displacements [m] under nodal loads (f, m) [N] beyond those of the modes."""
         phi, soft = self._modes
         return self.mesh.nodal(self._free.flexibility(loads) - soft @ (phi.T @ loads))

@@ -26,8 +26,8 @@ from lcpflex.bodies.body import Resolution, Statics
 from lcpflex.bodies.spatial.checks import check_inertia, check_products, even
 from lcpflex.bodies.spatial.shapes import SHAPES, Shape
 from lcpflex.errors import ModelError, shown
-from lcpflex.jit.kernel import FloatArray
-from lcpflex.model.recovery import SpatialLineShapes
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.model.recovery import MeshShapes, SpatialLineShapes
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -52,6 +52,8 @@ class SpatialPoint:
     turns : whether psi is known; False for nodes on one line, whose displacements tell no rotation about it (psi is
         zeros then): forces act there, and joints that leave all rotations free
     made_at : what tells it of the mesh: a name, a place in its coordinates [m], or nodes; None where nothing does
+    spread : numbers and weights of the nodes of a mesh whose mean it is, on which forces at it are spread; None of the
+        material at its place
     """
 
     place: FloatArray
@@ -59,6 +61,7 @@ class SpatialPoint:
     psi: FloatArray
     turns: bool = True
     made_at: Any = field(default=None, repr=False)
+    spread: tuple[IntArray, FloatArray] | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,7 +107,7 @@ class SpatialBody:
         to their mass centre
     resolution : what the mesh can resolve; None where it has none
     residual_modes : how many of the last coordinates are residual modes, the static response at interfaces
-    recovery : what its section forces are recovered from; None where it has none
+    recovery : what its section forces or stresses are recovered from; None where they cannot be
     reduction : by how many modes of its mesh it was made, and what makes it with more; None where that is not known
     mesh_modes : its modes on its mesh; None where it has none
     statics : static compliance of its whole mesh, (6, 6) by unit forces and moments; None where that is not known
@@ -137,7 +140,7 @@ class SpatialBody:
     origin: FloatArrayOrNone = None  # type: ignore[assignment]
     resolution: Resolution | None = field(default=None, repr=False)
     residual_modes: int = 0
-    recovery: SpatialLineShapes | None = field(default=None, repr=False)
+    recovery: SpatialLineShapes | MeshShapes | None = field(default=None, repr=False)
     reduction: Reduction[SpatialBody] | None = field(default=None, repr=False)
     mesh_modes: MeshModes | None = field(default=None, repr=False)
     statics: Statics | None = field(default=None, repr=False)
@@ -209,7 +212,7 @@ class SpatialBody:
         for name, kinds in (
             ("shape", SHAPES),
             ("resolution", (Resolution,)),
-            ("recovery", (SpatialLineShapes,)),
+            ("recovery", (SpatialLineShapes, MeshShapes)),
         ):
             value = getattr(self, name)
             if value is not None and not isinstance(value, kinds):

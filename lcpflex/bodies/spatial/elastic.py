@@ -29,6 +29,7 @@ class PointOperator(NamedTuple):
     u: FloatArray  # (k, 3)
     psi: FloatArray  # (k, 3); zeros where the rotation is not known
     turns: bool = True  # whether it is
+    spread: tuple[IntArray, FloatArray] | None = None  # the nodes and weights it is the mean of, where it is one
 
 
 class Integrals(NamedTuple):
@@ -85,7 +86,8 @@ def material(operator: PointOperator, shapes: FloatArray, origin: FloatArray, ma
     """The material point of a body with the shapes (f, n), its place from the origin of the frame."""
     local = shapes[operator.rows].T
     turns = operator.turns or not len(local)  # a rigid body turns as a whole
-    return SpatialPoint(operator.place - origin, local @ operator.u, local @ operator.psi, turns, made_at)
+    place, u, psi = operator.place - origin, local @ operator.u, local @ operator.psi
+    return SpatialPoint(place, u, psi, turns, made_at, operator.spread)
 
 
 def load_columns(operators: list[tuple[PointOperator, bool]], f: int) -> FloatArray:

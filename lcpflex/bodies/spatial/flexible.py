@@ -28,7 +28,7 @@ from lcpflex.bodies.spatial.elastic import ElasticMesh, Integrals, material
 from lcpflex.bodies.spatial.shapes import SurfaceShape
 from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model.recovery import SpatialLineShapes
+from lcpflex.model.recovery import MeshShapes, SpatialLineShapes
 
 __all__ = ["check_deformation", "flexible_body"]
 
@@ -55,7 +55,7 @@ def flexible_body(
     *,
     clamped: bool,
     resolution: Resolution | None = None,
-    recover: Callable[[FloatArray], SpatialLineShapes] | None = None,
+    recover: Callable[[FloatArray], SpatialLineShapes | MeshShapes | None] | None = None,
     stiffened: Callable[[FloatArray, int], FloatArray | None] | None = None,
     reduction: Reduction[SpatialBody] | None = None,
     statics: Statics | None = None,
@@ -70,7 +70,7 @@ def flexible_body(
     second_order : n2 of the products; None for min(n, 12) in the mean frame, all in a clamped one
     clamped : whether the frame rides on what is held, or is the mean frame
     resolution : what the mesh can resolve
-    recover : what section forces are recovered from, of the shapes (f, n)
+    recover : what section forces or stresses are recovered from, of the shapes (f, n)
     stiffened : shapes (f, n), n2 -> the six matrices G (6, n, n) of what spin stiffens; None for a linear body
     reduction : what makes the body with another number of modes; None where it has no other
     statics : of the mesh, which floats freely: not those of a clamped body

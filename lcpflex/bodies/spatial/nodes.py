@@ -88,7 +88,7 @@ class NodePoints:
         if turns:
             inverse = np.linalg.inv(G)
             psi = np.concatenate([(inverse @ (wi * skew(yi))).T for wi, yi in zip(w, y, strict=True)])
-        return PointOperator(place, _rows(nodes), u, psi, turns)
+        return PointOperator(place, _rows(nodes), u, psi, turns, (nodes, w))
 
     def _single(self, node: int) -> PointOperator:
         """psi is half the curl of the best linear field through the node and those that share an element with it."""

@@ -17,7 +17,7 @@ from lcpflex.bodies.reduction.again import Reduction, reduction_by
 from lcpflex.bodies.reduction.bases import Basis, boundary_basis, elastic_count, given_basis, loaded_basis
 from lcpflex.bodies.reduction.damping import Damping, check_damping
 from lcpflex.bodies.reduction.interface import Interface, NodeMean
-from lcpflex.bodies.reduction.mesh_body import NO_RESIDUAL, Residual
+from lcpflex.bodies.reduction.mesh_body import NO_RESIDUAL, Residual, mesh_shapes
 from lcpflex.bodies.reduction.mesh_interfaces import MeshStatics
 from lcpflex.bodies.reduction.model import Known, Mesh
 from lcpflex.bodies.reduction.normal_rows import normal_boundary_basis, normal_loads
@@ -29,6 +29,7 @@ from lcpflex.bodies.spatial.nodes import NodePoints
 from lcpflex.bodies.spatial.solid_mesh import solid_mesh
 from lcpflex.errors import ModelError, in_range
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.model.recovery import MeshShapes
 
 __all__ = ["SpatialInterfaces", "reduce_solid", "solid_body"]
 
@@ -135,13 +136,20 @@ def solid_body(
         warn_if_too_stiff(mesh, basis[1])
     return flexible_body(
         solid_mesh(mesh), basis, damping, residual, second_order, clamped=clamped, resolution=mesh.resolution,
-        reduction=reduction, statics=MeshStatics(mesh, partial(unit_loads, _finder(mesh), len(mesh.dofs))),
+        recover=partial(_recovered, mesh, clamped), reduction=reduction,
+        statics=MeshStatics(mesh, partial(unit_loads, _finder(mesh), len(mesh.dofs))),
     )  # fmt: skip
 
 
 def _finder(mesh: FiniteElements) -> Find:
     """What finds the points of interfaces on a mesh."""
     return partial(_point, mesh, NodePoints(mesh))
+
+
+def _recovered(mesh: FiniteElements, clamped: bool, shapes: FloatArray) -> MeshShapes | None:
+    """From the modes at all nodes, whose places are those of the frame: about the mass centre unless it is clamped."""
+    nodal = shapes.reshape(*mesh.places.shape, shapes.shape[1])
+    return mesh_shapes(mesh, nodal, None if clamped else mesh.centre)
 
 
 def _point(mesh: FiniteElements, points: NodePoints, name: str, place: Any) -> PointOperator:

@@ -256,4 +256,4 @@ def _frame(normal: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
 def carried(point: SpatialPoint, offset: FloatArray) -> SpatialPoint:
     """A point ``offset`` (3,) [m] from ``point``, carried rigidly by the material there."""
     phi = point.phi + np.cross(point.psi, offset)
-    return SpatialPoint(point.place + offset, phi, point.psi, made_at=point.made_at)
+    return SpatialPoint(point.place + offset, phi, point.psi, made_at=point.made_at, spread=point.spread)

@@ -10,7 +10,7 @@ from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.bodies.spatial.body import SpatialPoint
 from lcpflex.dynamics.spatial.state import SpatialState
 from lcpflex.dynamics.time_functions import SignalTable
-from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.kinematics.spatial.relative import (
     Apart,
     Directions,
@@ -33,6 +33,7 @@ class SpatialAssembly:
     state: SpatialState  # at the start
     points: SpatialPointTable = field(default_factory=SpatialPointTable)
     signals: SignalTable = field(default_factory=SignalTable)
+    spread: dict[int, tuple[IntArray, FloatArray]] = field(default_factory=dict)  # of points: see CompiledScene
     _known: dict[tuple[int, int], tuple[int, SpatialPoint]] = field(default_factory=dict)
 
     def point(self, body: int, material: SpatialPoint) -> int:
@@ -41,6 +42,8 @@ class SpatialAssembly:
         if key not in self._known:
             index = self.points.add(body, material.place, material.phi, material.psi)
             self._known[key] = (index, material)  # holds the object, so that its id stays its own
+            if material.spread is not None:
+                self.spread[index] = material.spread
         return self._known[key][0]
 
     def of(self, point: PlacedPoint) -> int:

@@ -23,6 +23,7 @@ from lcpflex.dynamics.time_functions import Materials
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import frozen
+from lcpflex.model.recovery import MeshShapes
 from lcpflex.model.spatial import SpatialModel
 from lcpflex.scene.contact_rules import by_rules
 from lcpflex.scene.left_out import pairs_left_out
@@ -113,8 +114,14 @@ def compiled_spatial_scene(
         warnings=(*misfits, *left_out.warnings, *missing_compliance(parts, touched)),
         notes=(*left_out.notes, *notes, *(f"residual modes for {text}" for text in said)),
         recovery=tuple(body.recovery for body in parts.bodies),
+        spread={p: on for p, on in assembly.spread.items() if _meshed(parts, int(model.points.body[p]))},
         sensors=tuple(compiled_spatial_sensor(name, one, bodies, layout) for name, one in parts.sensors.items()),
     )
+
+
+def _meshed(parts: SpatialParts, b: int) -> bool:
+    """Whether stresses of the body are recovered from a mesh."""
+    return b >= 0 and isinstance(parts.bodies[b].recovery, MeshShapes)
 
 
 def spatial_size(parts: SpatialParts, model: SpatialModel, q: FloatArray) -> float:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.kinematics.spatial.frames import rotated
+from lcpflex.model.recovery import MeshShapes
 from lcpflex.model.spatial import N_PLACE, N_RIGID
 from lcpflex.results.places import material_shapes, modal_sum
 from lcpflex.results.shapes_of_scenes import ELEMENTS, VERTEX, Motion, Shape
@@ -34,7 +35,9 @@ def _shape(compiled: CompiledScene, b: int) -> Shape:
     if facets is not None:
         triangles = tuple((ELEMENTS["triangle"], tuple(ids)) for ids in facets.triangles.tolist())
         phi = facets.phi if facets.phi.shape[1] else np.zeros((len(facets.vertices), n, 3))
-        return Shape(np.full(len(facets.vertices), b), facets.vertices, phi, triangles)
+        meshed = bool(compiled.recovery) and isinstance(compiled.recovery[b], MeshShapes)
+        at = np.arange(len(facets.vertices)) if meshed else None  # its vertices are the nodes
+        return Shape(np.full(len(facets.vertices), b), facets.vertices, phi, triangles, at)
     own: IntArray = np.array(
         [p for (name, _), p in compiled.layout.points.items() if name == compiled.layout.bodies[b]]
     )

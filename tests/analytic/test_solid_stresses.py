@@ -1,0 +1,204 @@
+"""Stresses of solids in space against closed forms, converged meshes and planar bodies."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import skfem
+from scipy.spatial.transform import Rotation
+
+import lcpflex as lf
+from lcpflex.bodies.fem.assembly import ElasticSolid
+from lcpflex.bodies.fem.mesh import KINDS, Mesh
+from lcpflex.bodies.fem.nodal_stress import nodal_gradients, nodal_stress
+from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray
+
+E, NU, DENSITY = 2e11, 0.3, 7800.0
+STEEL: dict[str, Any] = {"density": DENSITY, "youngs_modulus": E, "poissons_ratio": NU}
+SPATIAL = ["tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27"]
+pytestmark = pytest.mark.filterwarnings("ignore::lcpflex.errors.ModelWarning")  # coarse meshes, and linear tetrahedra
+
+
+def block(kind: str, n: int, skew: float = 0.15) -> ElasticSolid:
+    """A cube of n x n x n hexahedra, or six times as many tetrahedra, whose inner corners are moved at random."""
+    cube = skfem.MeshHex.init_tensor(*[np.linspace(0.0, 1.0, n + 1)] * 3)
+    places = cube.p.copy()
+    inside = ((places > 1e-9) & (places < 1.0 - 1e-9)).all(axis=0)
+    random = np.random.default_rng(1).uniform(-1.0, 1.0, size=(3, inside.sum()))
+    places[:, inside] += skew / n * random
+    mesh: Any = skfem.MeshHex(places, cube.t)
+    mesh = mesh.to_meshtet() if kind.startswith("tetra") else mesh
+    if kind in ("tetra10", "hexahedron20", "hexahedron27"):
+        mesh = (skfem.MeshTet2 if kind == "tetra10" else skfem.MeshHex2).from_mesh(mesh)
+    solid = lf.Solid(mesh, **STEEL).finite_elements().solid
+    assert solid is not None
+    if kind != "hexahedron20":
+        return solid
+    cells = solid.mesh.cells[:, :20]
+    used, cells = np.unique(cells, return_inverse=True)
+    return replace(solid, mesh=Mesh(KINDS[kind], solid.mesh.places[used], cells.reshape(-1, 20)))
+
+
+def hooke(slopes: FloatArray) -> FloatArray:
+    """(6, ...) xx, yy, xy, zz, yz and zx of slopes du_i / dx_j (..., 3, 3)."""
+    L, G = E * NU / ((1.0 + NU) * (1.0 - 2.0 * NU)), E / (2.0 * (1.0 + NU))
+    volume = L * np.trace(slopes, axis1=-2, axis2=-1)
+    sigma = volume[..., None, None] * np.eye(3) + G * (slopes + np.swapaxes(slopes, -1, -2))
+    return np.stack([sigma[..., i, j] for i, j in ((0, 0), (1, 1), (0, 1), (2, 2), (1, 2), (2, 0))])
+
+
+def stress_of(solid: ElasticSolid, displacements: FloatArray) -> FloatArray:
+    return nodal_stress(solid, nodal_gradients(solid), displacements[:, :, None])[:, :, 0]
+
+
+@pytest.mark.parametrize("kind", SPATIAL)
+@pytest.mark.parametrize("scale", [1.0, 1e-6])
+def test_uniform_strain(kind: str, scale: float) -> None:
+    """Hooke's law at every node, to rounding."""
+    solid = block(kind, 2)
+    solid = replace(solid, mesh=replace(solid.mesh, places=scale * (solid.mesh.places + np.array([5.0, -3.0, 2.0]))))
+    slopes = 1e-3 * np.random.default_rng(2).normal(size=(3, 3))
+    exact = hooke(slopes)
+    found = stress_of(solid, solid.mesh.places @ slopes.T)
+    assert np.abs(found - exact[:, None]).max() < 1e-12 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("kind", SPATIAL)
+def test_rigid_motion_is_free_of_stress(kind: str) -> None:
+    solid = block(kind, 2)
+    turn = np.cross([1e-3, -2e-3, 3e-3], solid.mesh.places)
+    assert np.abs(stress_of(solid, turn + np.array([1.0, 2.0, 3.0]))).max() < 1e-12 * E
+
+
+def smooth(kind: str, n: int) -> float:
+    """Root mean square of the error of nodal stress over that of the stress, of a field of waves 4 to 9 m long."""
+    solid = block(kind, n)
+    waves = np.array([[1.0, 0.5, 0.3], [0.2, 0.9, -0.4], [0.6, -0.3, 0.8]])
+    phase = solid.mesh.places @ waves.T
+    exact = hooke(np.cos(phase)[:, :, None] * waves)
+    apart = stress_of(solid, np.sin(phase)) - exact
+    return float(np.sqrt((apart**2).mean() / (exact**2).mean()))
+
+
+@pytest.mark.parametrize(
+    ("kind", "least", "most"),
+    [("tetra", 1.1, 1.6), ("tetra10", 1.9, 2.2), ("hexahedron", 1.1, 1.6), ("hexahedron20", 1.9, 2.2),
+     ("hexahedron27", 1.9, 2.2)],
+)  # fmt: skip
+def test_order_of_nodal_stress(kind: str, least: float, most: float) -> None:
+    """2 of quadratic elements; of linear ones 2 inside and 1 at the surface, where no neighbours balance them."""
+    assert least < math.log2(smooth(kind, 2) / smooth(kind, 4)) < most
+
+
+def test_hexahedra_bend_without_error() -> None:
+    """Pure bending is in the span of the nodes and the bubbles: exact in one layer of rectangular elements."""
+    solid = lf.Solid.bar(1.0, 0.1, 0.05, elements=(5, 1, 1), **STEEL).finite_elements().solid
+    assert solid is not None
+    x, y, z = solid.mesh.places.T
+    moved = np.column_stack([-x * y, 0.5 * (x * x + NU * (y * y - z * z)), NU * y * z])
+    found = stress_of(solid, moved)
+    assert np.abs(found[0] + E * y).max() < 1e-12 * E
+    assert np.abs(found[1:]).max() < 1e-12 * E
+
+
+def run(scene: lf.SpatialScene, duration: float, step: float) -> lf.Result:
+    return lf.simulate(scene, duration, lf.MoreauJean(step), record=duration, progress=False)
+
+
+def cantilever(modes: int) -> lf.Result:
+    """Of 1 m, welded at its left end, with 10 kN across its right end, at rest after dampers have worked on it."""
+    solid = lf.Solid.bar(1.0, 0.1, 0.05, elements=(20, 4, 2), **STEEL)
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    b = scene.add(solid.reduce(modes, interfaces=["left", "right"], damping=0.1), name="bar")
+    scene.join(lf.Weld(b.point("left"), scene.ground.at(-0.5, 0.0, 0.0)))
+    scene.load(lf.Force(b.point("right"), (0.0, -1e4, 0.0)))
+    for x in (0.0, 0.5):
+        scene.load(lf.Spring(b.at(x, 0, 0), scene.ground.at(x, -0.4, 0.0), stiffness=0.0, damping=1e4))
+    return run(scene, 0.1, 2e-4)
+
+
+@pytest.mark.parametrize("modes", [0, 4])
+def test_cantilever_bends(modes: int, tmp_path: Path) -> None:
+    """sigma_xx = -M y / I within .5 % three heights off its ends; a file keeps it."""
+    result = cantilever(modes)
+    history = result.stress("bar")
+    stress = history.at(0.1)
+    x, y, _ = history.places.T
+    exact = 1e4 * (0.5 - x) * y / (0.05 * 0.1**3 / 12.0)
+    away = (np.abs(x) < 0.2) & (np.abs(y) > 0.04)
+    assert away.sum() > 40
+    assert stress.xx[away] == pytest.approx(exact[away], rel=5e-3)
+    assert stress.von_mises[away] == pytest.approx(np.abs(exact[away]), rel=5e-3)
+    on_top = away & (y > 0.0)
+    assert stress.principal[on_top, 0] == pytest.approx(exact[on_top], rel=5e-3)
+    loaded = lf.Result.load(result.save(tmp_path / "bar.npz")).stress("bar").at(0.1)
+    assert (loaded.von_mises == stress.von_mises).all()
+
+
+def test_spinning_bar() -> None:
+    """rho omega^2 (L^2 / 4 - x^2) / 2 on the middle line, from the static part alone: these modes do not stretch it."""
+    omega = 200.0
+    solid = lf.Solid.bar(1.0, 0.05, 0.05, elements=(20, 2, 2), **STEEL)
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    turn = Rotation.from_rotvec((0.2, -0.4, 0.7))
+    scene.add(solid.reduce(3), name="bar", angular_velocity=(0.0, 0.0, omega), orientation=turn)
+    result = run(scene, 1e-3, 1e-4)
+    history = result.stress("bar")
+    spin = np.asarray(result.u[0, 3:6])
+    across = math.hypot(spin[1], spin[2])  # to the axis of the bar
+    x = history.places[:, 0]
+    line = (np.hypot(history.places[:, 1], history.places[:, 2]) < 1e-9) & (np.abs(x) < 0.3)
+    exact = 0.5 * DENSITY * across**2 * (0.25 - x**2)
+    assert history.of(0).xx[line] == pytest.approx(exact[line], rel=5e-3)
+    assert not np.abs(result.stress("bar", static=False).of(0).xx).max() > 1e-6 * exact.max()
+
+
+def test_hanging_bar() -> None:
+    """rho g (L - x) over a weld, from the static part alone."""
+    solid = lf.Solid.bar(1.0, 0.05, 0.05, elements=(20, 2, 2), **STEEL)
+    scene = lf.SpatialScene(gravity=(9.81, 0.0, 0.0))
+    b = scene.add(solid.reduce(3), name="bar")
+    scene.join(lf.Weld(b.point("left"), scene.ground.at(-0.5, 0.0, 0.0)))
+    history = run(scene, 1e-3, 1e-4).stress("bar")
+    x = history.places[:, 0]
+    away = np.abs(x) < 0.4
+    stress = history.at(1e-3)
+    assert stress.xx[away] == pytest.approx(DENSITY * 9.81 * (0.5 - x[away]), rel=5e-3)
+    assert np.abs(stress.yz).max() < 0.05 * DENSITY * 9.81
+
+
+def test_loads_of_a_free_body_balance() -> None:
+    """Its inertia, weight, forces and moments, at nodes: no force is left, nor any moment about deformed places."""
+    solid = lf.Solid.bar(1.0, 0.1, 0.05, elements=(6, 2, 2), **STEEL)
+    scene = lf.SpatialScene(gravity=(1.0, 2.0, -9.81))
+    turn = Rotation.from_rotvec((0.3, 0.5, -0.2))
+    b = scene.add(solid.reduce(6), name="bar", angular_velocity=(10.0, 20.0, 30.0), orientation=turn)
+    scene.load(lf.Force(b.point("right"), (1e4, 2e4, 3e4)))
+    scene.load(lf.Force(b.at(0.1, 0.02, 0.01), (1e3, -2e4, 3e3)))
+    scene.load(lf.Torque(b.point("top"), (1e2, 2e2, -3e2)))
+    result = lf.simulate(scene, 2e-3, lf.MoreauJean(1e-4), record=1e-3, progress=False)
+    recovery: Any = result.stress("bar")._recovery
+    for k in range(len(result.times)):
+        loads = recovery._loads.of(recovery._mesh, k).reshape(-1, 3)
+        bent = recovery._mesh.phi @ result.q[k, 7:]
+        moments = np.cross(recovery.places + bent, loads)
+        assert np.abs(loads.sum(axis=0)).max() < 1e-12 * np.abs(loads).sum()
+        assert np.abs(moments.sum(axis=0)).max() < (1e-5 if k else 1e-12) * np.abs(moments).sum()
+
+
+def test_what_cannot_be_told() -> None:
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, -9.81))
+    scene.add(lf.Sphere(0.1, mass=1.0), name="ball")
+    beam = lf.SpatialBeam(0.6, 1e-4, (1e-9, 1e-9), 2e-9, **STEEL)
+    scene.add(beam.reduce(2), name="beam", position=(0, 0, 1))
+    result = run(scene, 1e-2, 1e-3)
+    with pytest.raises(ModelError, match="'ball' was given, expected a body with modes of a Solid"):
+        result.stress("ball")
+    with pytest.raises(ModelError, match=r"stresses of beams are planar so far; section\(body, x\)"):
+        result.stress("beam")
