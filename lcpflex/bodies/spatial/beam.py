@@ -198,7 +198,9 @@ class SpatialBeam:
 
     def _section(self) -> Section:
         Iy, Iz = self.second_moments
-        return Section(self.density * self.area, (self.density * Iy, self.density * Iz))
+        return Section(
+            self.density * self.area, (self.density * Iy, self.density * Iz), self.youngs_modulus * self.area
+        )
 
     def _factors(self) -> tuple[float, float]:
         k = self.shear_factor

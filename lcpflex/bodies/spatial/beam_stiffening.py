@@ -52,6 +52,7 @@ class Section(NamedTuple):
 
     mass: float  # rho A [kg/m]
     inertia: tuple[float, float]  # rho I_y, rho I_z [kg m]
+    stretching: float  # E A [N]
 
     @property
     def gyration(self) -> float:
@@ -152,13 +153,19 @@ def beam_stiffening(
     Raises
     ------
     ModelError
-        For what is no Stiffening, the actual axial force, and places off the axis or not apart from each other.
+        For what is no Stiffening, the actual axial force, one beyond E A, and places off the axis or not apart from
+        each other.
     """
     check_stiffening(stiffening)
     if stiffening is None:
         return None
     if stiffening.actual:
         raise ModelError("axial_force: 'actual' was given for a SpatialBeam, expected a force [N], or a planar Beam")
+    if abs(stiffening.constant) > section.stretching:
+        raise ModelError(
+            f"axial_force: {shown(stiffening.constant)} was given, expected less than E A = {section.stretching:.6g} "
+            "N, which would double the length of the beam"
+        )
     held = clamped or "center" if stiffening.held is None else stiffening.held
     a, b = sorted(_station(line, "between", end) for end in stiffening.between)
     return BeamStiffening(line, section, _station(line, "held", held), stiffening.constant, (a, b))

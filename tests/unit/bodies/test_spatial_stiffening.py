@@ -205,6 +205,11 @@ def test_what_else_is_asked_for() -> None:
             lambda: unit_beam().reduce(4, stiffening=lf.Stiffening(axial_force="actual")),
             "'actual' was given for a Spat",
         ),
+        (
+            lambda: unit_beam().reduce(4, stiffening=lf.Stiffening(axial_force=1e20)),
+            r"axial_force: 1e\+20 .* E A = 30000",
+        ),
+        (lambda: unit_beam().reduce(4, stiffening=lf.Stiffening(axial_force=-1e300)), "axial_force: -1e.300 .* E A"),
         (lambda: unit_beam().reduce(4, stiffening=lf.Stiffening(held="tip")), "held: 'tip' was given, expected the na"),
         (lambda: unit_beam().reduce(4, stiffening=lf.Stiffening(held=(0.1, 0.0))), r"expected \(x, y, z\) of space"),
         (lambda: unit_beam().reduce(4, stiffening=lf.Stiffening(held=(0.6, 0, 0))), "held: x"),
