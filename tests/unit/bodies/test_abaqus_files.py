@@ -315,6 +315,12 @@ SMALL = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4, ELSET=e
         ("*PART, NAME=p\n*END PART\n*PART, NAME=q\n*END PART\n", "parts 'p', 'q' and no .INSTANCE"),
         ("*PART, NAME=p\n*END PART\n*INSTANCE, NAME=i, PART=p\n1, 2, 3, 4\n*END INSTANCE\n", "of a translation"),
         ("*PART, NAME=p\n*END PART\n*INSTANCE, NAME=i, PART=p\n0\n1,1,1,1,1,1,90\n*END INSTANCE\n", "equal points"),
+        (SMALL.replace("*NODE", "*NODE, SYSTEM=C").replace("2,1,0,0", "2,1,inf,0"), "node 1 is at .*expected finite"),
+        (
+            "*PART, NAME=p\n" + SMALL.replace("2,1,0,0", "2,inf,0,0") + "*END PART\n*INSTANCE, NAME=i, PART=p\n0\n"
+            "0,0,0,0,0,1,90\n*END INSTANCE\n",
+            "node 1 is at .*expected finite",
+        ),
         (SMALL.replace("*NODE", "*NODE, SYSTEM=S"), "SYSTEM='S'"),
     ],
 )

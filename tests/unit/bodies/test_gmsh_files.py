@@ -169,6 +169,8 @@ WRONG = [  # version, what stands in its text, what instead, what is said
     ("2.2", "5000 0.0 0.0 0.0", "4993 0.0 0.0 0.0", "node 4993 comes twice"),
     ("4.1", "\n5000", "\n4993", "node 4993 comes twice"),
     ("2.2", "5000 0.0 0.0 0.0", "5000.5 0.0 0.0 0.0", "no whole number"),
+    ("2.2", "5000 0.0 0.0 0.0", "1e300 0.0 0.0 0.0", "no whole number"),
+    ("2.2", "5000 0.0 0.0 0.0", "nan 0.0 0.0 0.0", "no whole number"),
     ("2.2", "5000 0.0 0.0 0.0", "5000 0.0 nan 0.0", r"node 0 is at \[0.0, nan, 0.0\], expected finite places"),
     ("2.2", "5000 0.0 0.0 0.0", "5000 0.0 1e999 0.0", "node 0 is at .*inf"),
     ("2.2", "5000 0.0 0.0 0.0", "5000 0.0 zero 0.0", r"\$Nodes holds 'zero', expected numbers only"),

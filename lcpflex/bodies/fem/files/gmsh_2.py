@@ -7,7 +7,7 @@ import numpy as np
 from lcpflex.bodies.fem.files.found import CELLS, Unreadable
 from lcpflex.bodies.fem.files.gmsh_cells import Block, Elements, Nodes, kind_of, ordered
 from lcpflex.bodies.fem.files.gmsh_numbers import BinaryNumbers, Numbers, line_counts, run_of
-from lcpflex.bodies.fem.files.numbering import integers_of
+from lcpflex.bodies.fem.files.numbering import EXACT, integers_of
 from lcpflex.jit.kernel import IntArray
 
 __all__ = ["binary_elements", "binary_nodes", "text_elements", "text_nodes"]
@@ -19,10 +19,9 @@ def text_nodes(numbers: Numbers) -> Nodes:
     """A number and a place on each line."""
     count = int(numbers.sizes(1)[0])
     table = numbers.floats(4 * count).reshape(count, 4)
-    whole = table[:, 0].astype(np.int64) if np.isfinite(table[:, 0]).all() else None
-    if whole is None or (whole != table[:, 0]).any():
+    if not (np.abs(table[:, 0]) < EXACT).all() or (table[:, 0] != np.rint(table[:, 0])).any():
         raise Unreadable("$Nodes has a line that begins with no whole number, expected numbers of nodes")
-    return Nodes(whole, np.ascontiguousarray(table[:, 1:]))
+    return Nodes(table[:, 0].astype(np.int64), np.ascontiguousarray(table[:, 1:]))
 
 
 def binary_nodes(numbers: BinaryNumbers, count: int) -> Nodes:

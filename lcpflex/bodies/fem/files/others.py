@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -51,7 +52,8 @@ def _read(library: Any, name: str) -> Any:
     """What the library reads; its own talk is kept off the terminal, and becomes the message of the error."""
     talk = io.StringIO()
     try:
-        with contextlib.redirect_stdout(talk), contextlib.redirect_stderr(talk):
+        with contextlib.redirect_stdout(talk), contextlib.redirect_stderr(talk), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
             if not name.lower().endswith(".msh"):
                 return library.read(name)
             with _CutFile(io.FileIO(name)) as file:  # of Fluent, and its reader knows no end

@@ -9,6 +9,7 @@ import numpy as np
 
 from lcpflex.basics import libs
 from lcpflex.bodies.fem.files.found import FoundMesh
+from lcpflex.bodies.fem.files.numbering import EXACT
 from lcpflex.bodies.fem.files.reading import read_found
 from lcpflex.bodies.fem.mesh import FLAT, KINDS, Mesh
 from lcpflex.errors import ModelError
@@ -47,6 +48,7 @@ def _stored_by_scikit_fem(found: FoundMesh, kind: str, places: FloatArray, cells
     make = getattr(libs.skfem, PLANAR[kind].mesh)
     p, t = np.ascontiguousarray(places.T), np.ascontiguousarray(cells.T)
     try:
+        _check_tags(found)
         bare = make(p, t, validate=False)
         names: dict[str, dict[str, Any]] = {"s": {}, "b": {}}
         for key, of_blocks in found.tags.items():
@@ -65,6 +67,13 @@ def _stored_by_scikit_fem(found: FoundMesh, kind: str, places: FloatArray, cells
         raise ModelError(
             f"{found.source}: scikit-fem cannot read its tags ({error}), expected a file that it saved"
         ) from None
+
+
+def _check_tags(found: FoundMesh) -> None:
+    for name, of_blocks in found.tags.items():
+        for values in of_blocks:
+            if not (np.abs(np.asarray(values, dtype=np.float64)) < EXACT).all():
+                raise ValueError(f"{name} has values that are no whole numbers")
 
 
 def _only_kind(found: FoundMesh) -> str:

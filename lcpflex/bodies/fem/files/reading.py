@@ -34,7 +34,8 @@ def read_found(path: str | os.PathLike[str]) -> FoundMesh:
     if Path(name).stat().st_size > LARGEST_TEXT:
         raise ModelError(f"{source}: it is too large, expected a file of at most {LARGEST_TEXT:.0e} bytes")
     try:
-        found = _read(name, source)
+        with np.errstate(all="ignore"):  # places that are not finite are refused below, whatever was made of them
+            found = _read(name, source)
     except Unreadable as error:
         raise ModelError(f"{source}: cannot read it: {error}") from None
     except OSError as error:
