@@ -51,13 +51,14 @@ def positive_factor(matrix: csc_matrix[Any], rank: IntArray) -> Factor:
     ordered = matrix[order][:, order].tocsc()
     n = matrix.shape[0]
     cost = cost_of(ordered) if n > FEW or matrix.nnz > PER_ROW * FEW else None
-    if cost is not None and cost.operations > LARGE and pardiso.is_there():
-        check_reach(n, cost, PARDISO)
-        found = pardiso.pardiso_factor(matrix)
-        if found is not None:
-            return found
     if cost is not None:
-        check_reach(n, cost, SUPERLU, better=not pardiso.is_there())
+        large = cost.operations > LARGE
+        if large and pardiso.is_there():
+            check_reach(n, cost, PARDISO)
+            found = pardiso.pardiso_factor(matrix)
+            if found is not None:
+                return found
+        check_reach(n, cost, SUPERLU, better=large and not pardiso.is_there())
     return SuperLuFactor(_superlu(ordered), order)
 
 
