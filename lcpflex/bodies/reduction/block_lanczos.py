@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 Flexibility: TypeAlias = Callable[[FloatArray], FloatArray]
 
-__all__ = ["block_lanczos", "columns_of"]
+__all__ = ["block_lanczos", "check_modes", "columns_of"]
 
 BLOCK = 12  # columns: with more a solution takes hardly less time a column, and more columns are needed
 WIDEST = 48  # block of the last try
@@ -53,9 +53,7 @@ def columns_in_basis(count: int, block: int) -> int:
     return 2 * count + SPARE * block
 
 
-def block_lanczos(
-    stiffness: csc_matrix[Any], mass: csc_matrix[Any], flexibility: Flexibility, count: int
-) -> tuple[FloatArray, FloatArray]:
+def block_lanczos(mass: csc_matrix[Any], flexibility: Flexibility, count: int) -> tuple[FloatArray, FloatArray]:
     """(omega2, shapes) of the ``count`` lowest modes, M-orthonormal; a fixed start gives the same bits.
 
     Raises
@@ -68,7 +66,6 @@ def block_lanczos(
         theta, shapes = _Krylov(mass, flexibility, block, count).run()
         again = _Krylov(mass, flexibility, BLOCK // 2, count, locked=shapes)
         if again.top() <= (1.0 + MISSED) * theta[-1]:
-            _check_modes(stiffness, mass, 1.0 / theta, shapes)
             return 1.0 / theta, shapes
         block *= 2
     raise ModelError(
@@ -76,7 +73,7 @@ def block_lanczos(
     )
 
 
-def _check_modes(stiffness: csc_matrix[Any], mass: csc_matrix[Any], omega2: FloatArray, shapes: FloatArray) -> None:
+def check_modes(stiffness: csc_matrix[Any], mass: csc_matrix[Any], omega2: FloatArray, shapes: FloatArray) -> None:
     """Refuse what is left of K v - omega^2 M v, in the norm of the diagonal of K."""
     for first in range(0, len(omega2), BLOCK):
         part = slice(first, first + BLOCK)

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from lcpflex.basics import libs
 from lcpflex.basics.blas import one_thread
 from lcpflex.bodies.fem.sparse_factor import AT_ONCE, Factor, NotPositive, positive_factor
-from lcpflex.bodies.reduction.block_lanczos import block_lanczos, columns_of
+from lcpflex.bodies.reduction.block_lanczos import block_lanczos, check_modes, columns_of
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 
@@ -155,7 +155,10 @@ class FreeMesh:
         vectors = vectors[:, :count]
         for _ in range(2):
             vectors = vectors - self.frame @ (self.frame.T @ (self.mass @ vectors))
-        return ritz(self.stiffness, self.mass, vectors)
+        found = ritz(self.stiffness, self.mass, vectors)
+        if self._factor.in_blocks:
+            check_modes(self.stiffness, self.mass, *found)
+        return found
 
     def _all(self, count: int) -> tuple[FloatArray, FloatArray]:
         """From the full eigenproblem; what has no mass follows statically."""
@@ -253,7 +256,10 @@ def fixed_modes(
     if is_dense(n, count):
         with one_thread(n):
             return _full(stiffness.toarray(), mass.toarray(), 0, count)
-    return ritz(stiffness, mass, lanczos(stiffness, mass, factor.solve, count, factor.in_blocks)[1])
+    found = ritz(stiffness, mass, lanczos(stiffness, mass, factor.solve, count, factor.in_blocks)[1])
+    if factor.in_blocks:
+        check_modes(stiffness, mass, *found)
+    return found
 
 
 def softest(mass: csc_matrix[Any], stiffness: csc_matrix[Any], factor: Factor) -> float:
@@ -272,7 +278,7 @@ def lanczos(
     n = mass.shape[0]
     check_memory("modes", n, columns_of(count) if in_blocks else 6 * count + 60)
     if in_blocks:
-        return block_lanczos(stiffness, mass, solve, count)
+        return block_lanczos(mass, solve, count)
     inverse = libs.LinearOperator((n, n), matvec=solve, dtype=np.float64)
     start = solve(mass @ np.cos(np.arange(n, dtype=np.float64) * 1.7))  # any fixed vector with a part of every mode
     try:

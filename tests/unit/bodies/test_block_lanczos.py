@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.sparse import diags_array
+from scipy.sparse import block_diag, csr_array, diags_array
 
 import lcpflex as lf
 from lcpflex.bodies.fem.factors import SuperLuFactor
 from lcpflex.bodies.reduction import block_lanczos as module, eigenmodes
-from lcpflex.bodies.reduction.block_lanczos import block_lanczos
+from lcpflex.bodies.reduction.block_lanczos import block_lanczos, check_modes
 from lcpflex.errors import ModelError
 from tests import solids
 
@@ -22,7 +22,9 @@ SPREAD = np.linspace(1.0, 100.0, 2000) ** 2
 def diagonal(omega2: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Modes of single masses on springs."""
     mass, stiffness = diags_array(np.ones(len(omega2))).tocsc(), diags_array(omega2).tocsc()
-    return block_lanczos(stiffness, mass, lambda loads: loads / omega2[:, None], count)
+    found = block_lanczos(mass, lambda loads: loads / omega2[:, None], count)
+    check_modes(stiffness, mass, *found)
+    return found
 
 
 @pytest.mark.parametrize(
@@ -53,8 +55,9 @@ def test_more_modes_of_one_frequency_than_the_widest_block(monkeypatch):
 
 def test_a_solution_that_is_none():
     mass, stiffness = diags_array(np.ones(2000)).tocsc(), diags_array(SPREAD).tocsc()
+    found = block_lanczos(mass, lambda loads: loads / (1.001 * SPREAD[:, None]), 5)
     with pytest.raises(ModelError, match="lowest modes are left with errors of"):
-        block_lanczos(stiffness, mass, lambda loads: loads / (1.001 * SPREAD[:, None]), 5)
+        check_modes(stiffness, mass, *found)
 
 
 def test_a_long_basis_is_restarted(monkeypatch):
@@ -91,6 +94,28 @@ def test_modes_of_solids_are_those_of_single_vectors(monkeypatch, made, clamped)
     assert (again.frequencies() == blocks.frequencies()).all()
     ratios = single.frequencies()[1:] / single.frequencies()[:-1]
     assert (ratios < 1.0 + 1e-9).any()  # some are equal
+
+
+def test_a_mechanism_is_one(monkeypatch):
+    """Two blocks that share an edge turn about it."""
+    part = solids.block((0.2, 0.1, 0.1), (2, 1, 2), "hex1")
+    other = part["coordinates"] + [0.2, 0.1, 0.0]
+    n = len(part["coordinates"])
+    number = np.arange(2 * n)
+    for i in range(n):
+        same = np.flatnonzero(np.abs(part["coordinates"] - other[i]).max(axis=1) < 1e-9)
+        if len(same):
+            number[n + i] = same[0]
+    used, number = np.unique(number, return_inverse=True)
+    rows = (3 * number[:, None] + np.arange(3)).ravel()
+    join = csr_array((np.ones(len(rows)), (rows, np.arange(len(rows)))))
+    mass, stiffness = (join @ block_diag([part[name]] * 2) @ join.T for name in ("mass", "stiffness"))
+    solid = lf.SpatialMatrices(mass, stiffness, np.concatenate([part["coordinates"], other])[used])
+    monkeypatch.setattr(eigenmodes, "DENSE_LIMIT", 10)
+    for in_blocks in (False, True):
+        monkeypatch.setattr(SuperLuFactor, "in_blocks", in_blocks)
+        with pytest.raises(ModelError, match="more zero modes than the 6 rigid motions"):
+            solid.reduce(modes=6)
 
 
 def test_modes_with_a_region_that_follows_statically(monkeypatch):
