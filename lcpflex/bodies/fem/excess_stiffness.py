@@ -17,7 +17,15 @@ the mesh, and the excess of stiffness is
 which is at most that against quadratic, or cubic, elements. Pure bending, u_x = -x y, u_y = (x^2 + nu y^2) / 2, is of
 the form v + w on straight-sided linear triangles and rectangles: there the excess is all of it.
 
-Source: the hierarchical error estimator of Bank & Smith 1993, SIAM J. Numer. Anal. 30, 921.
+Hexahedra bend with a curvature that jumps from one element to the next, which humps on edges hardly mend: of a plate
+they see a thirtieth of it. There the excess is at least the energy of stress sigma* - sigma, sigma* the nodal mean,
+
+    int (sigma* - sigma) : C^-1 : (sigma* - sigma) dV / omega^2   [-]
+
+(Measured, of the excess over the next finer mesh: hexahedra of eight nodes .2 to .6, of 27 .4 to .7.)
+
+Sources: the hierarchical error estimator of Bank & Smith 1993, SIAM J. Numer. Anal. 30, 921; that of recovered stress,
+Zienkiewicz & Zhu 1987, Int. J. Numer. Methods Eng. 24, 337.
 """
 
 from __future__ import annotations
@@ -38,6 +46,7 @@ from lcpflex.bodies.fem.assembly import (
     shape_functions,
 )
 from lcpflex.bodies.fem.mesh import Mesh
+from lcpflex.bodies.fem.nodal_stress import nodal_gradients, nodal_stress
 from lcpflex.jit.kernel import FloatArray
 
 if TYPE_CHECKING:
@@ -99,7 +108,27 @@ def excess_stiffness(solid: ElasticSolid, omega2: FloatArray, shapes: FloatArray
     ):
         cross = coupling.T @ w
         both.append(np.block([[own, cross], [cross.T, w.T @ (matrix @ w)]]))
-    return np.asarray(omega2 / _ritz_values(*both)[: len(omega2)] - 1.0)
+    found = omega2 / _ritz_values(*both)[: len(omega2)] - 1.0
+    if solid.mesh.kind.corners == 8:
+        found = np.maximum(found, _jumps(solid, shapes) / omega2)
+    return np.asarray(found)
+
+
+def _jumps(solid: ElasticSolid, shapes: FloatArray) -> FloatArray:
+    """(k,) energy of the difference between the nodal means of stress and the stress [rad^2/s^2]."""
+    mean = nodal_stress(solid, nodal_gradients(solid), shapes)[[0, 1, 3, 2, 4, 5]]  # in the order of :func:`_strain`
+    X, weight = _rule(solid.mesh)
+    N, dN = shape_functions(solid.mesh.kind, X)
+    soft = np.linalg.inv(np.linalg.cholesky(_elasticity(solid, len(mean))))
+    scaled = np.einsum("ab,bnk->nak", soft, mean)
+    energy = np.zeros(shapes.shape[2])
+    for some in _parts(solid.mesh):
+        cells = solid.mesh.cells[some]
+        det = np.linalg.det(np.einsum("mni,qnj->mqij", solid.mesh.places[cells], dN))
+        of_mean = np.sqrt(det * weight)[:, :, None, None] * np.einsum("qn,mnak->mqak", N, scaled[cells], optimize=True)
+        own = _fields(solid, some, shapes)[1].strain
+        energy += ((of_mean.reshape(own.shape) - own) ** 2).sum(axis=(0, 1))
+    return energy
 
 
 def _humps(solid: ElasticSolid, shapes: FloatArray) -> _Humps:

@@ -11,6 +11,7 @@ import skfem
 
 import lcpflex as lf
 from lcpflex.bodies.fem.assembly import ElasticSolid, lame_constants, stiffness_matrix
+from lcpflex.bodies.reduction.eigenmodes import FreeMesh
 from lcpflex.bodies.spatial.checks import skew
 from lcpflex.jit.kernel import FloatArray
 from tests.solid_meshes import EDGES, QUIET, SOLIDS, STEEL, meshed_block, solid
@@ -296,6 +297,30 @@ def test_stiffness_errors_are_told_as_in_the_plane() -> None:
         assert exact < told
     with pytest.warns(lf.ModelWarning, match="four nodes"), pytest.warns(lf.ModelWarning, match="too high"):
         lf.Solid(meshed_block("tetra", (0.2, 0.02, 0.02), (20, 2, 2)), **STEEL).reduce(3)
+
+
+@pytest.mark.parametrize(
+    ("kind", "edges", "counts", "least"),
+    [
+        ("hexahedron", (0.3, 0.2, 0.1), (3, 2, 1), 0.5),
+        ("hexahedron", (0.2, 0.02, 0.02), (10, 1, 1), 0.35),
+        ("hexahedron", (0.2, 0.2, 0.002), (4, 4, 1), 0.4),
+        ("hexahedron27", (0.2, 0.2, 0.002), (3, 3, 1), 0.4),
+        ("hexahedron27", (0.2, 0.02, 0.02), (3, 1, 1), 0.5),
+        ("tetra10", (0.2, 0.02, 0.02), (10, 1, 1), 0.25),
+        ("tetra", (0.2, 0.02, 0.02), (20, 2, 2), 0.7),
+    ],
+)
+@QUIET
+def test_the_estimate_is_most_of_the_excess_and_no_more(
+    kind: str, edges: tuple[float, float, float], counts: tuple[int, int, int], least: float
+) -> None:
+    """Of the stiffest of three modes, against the next finer mesh."""
+    mesh = lf.Solid(meshed_block(kind, edges, counts), **STEEL).finite_elements()
+    omega2, shapes = FreeMesh.of(mesh).modes(3)
+    told = mesh.excess(omega2, shapes)  # type: ignore[misc]
+    excess = omega2 / FreeMesh.of(mesh.finer()).modes(3)[0] - 1.0  # type: ignore[misc]
+    assert least < told.max() / excess.max() < 1.05
 
 
 @QUIET
