@@ -114,7 +114,11 @@ def compiled_spatial_scene(
         warnings=(*misfits, *left_out.warnings, *missing_compliance(parts, touched)),
         notes=(*left_out.notes, *notes, *(f"residual modes for {text}" for text in said)),
         recovery=tuple(body.recovery for body in parts.bodies),
-        spread={p: on for p, on in assembly.spread.items() if _meshed(parts, int(model.points.body[p]))},
+        spread={
+            p: (frozen(nodes, np.int64), frozen(weights))
+            for p, (nodes, weights) in assembly.spread.items()
+            if _meshed(parts, int(model.points.body[p]))
+        },
         sensors=tuple(compiled_spatial_sensor(name, one, bodies, layout) for name, one in parts.sensors.items()),
     )
 
