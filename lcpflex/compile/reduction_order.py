@@ -106,14 +106,22 @@ class ReductionOrder:
         Along a line and across it are needed apart. Where no number of nodes does, CONTACT_NODES, and the scene warns.
         """
         looked_at = [one for one in acts(None) if one.surface]
-        kinds = {_kind(one) for one in looked_at}
-        for count in (0, *MORE_NODES):
+
+        def tried(count: int, kinds: set[tuple[str, bool]]) -> tuple[list[Acting], set[tuple[str, bool]]]:
+            """What acts with so many nodes of the kinds, and which of these give way too little then."""
             acting = [one for one in acts(count) if not one.surface or _kind(one) in kinds]
             body = self.body(tuple(dict.fromkeys(one.interface for one in acting)))
-            left = {_kind(one) for one in looked_at if _kind(one) in kinds and deficits(body, one)}
+            return acting, {_kind(one) for one in looked_at if _kind(one) in kinds and deficits(body, one)}
+
+        acting, kinds = tried(0, {_kind(one) for one in looked_at})
+        if not kinds:
+            return acting
+        # in space the nodes of more are also those of fewer: where the most do not do, no other number does
+        hopeless = len(looked_at[0].at) == 3 and tried(MORE_NODES[-1], kinds)[1]
+        for count in () if hopeless else MORE_NODES:
+            acting, left = tried(count, kinds)
             if not left:
                 return acting
-            kinds = left if count == 0 else kinds
         return [one for one in acts(CONTACT_NODES) if not one.surface or _kind(one) in kinds]
 
     def start(self, placed: tuple[FloatArray, FloatArray], body: AnyBody) -> tuple[FloatArray, FloatArray]:

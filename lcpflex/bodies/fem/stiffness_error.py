@@ -7,6 +7,7 @@ bending. Elements that lock in bending (a linear field cannot bend without shear
 from __future__ import annotations
 
 import warnings
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -23,6 +24,9 @@ TOLERATED = 0.1  # of stiffness, 0.05 of a frequency
 PURE = 1e-3  # of its stiffness, the residual of what is taken for a mode: 1e-4 with 20 fixed modes, .1 of static shapes
 
 
+_judged: WeakKeyDictionary[FiniteElements, tuple[FloatArray, FloatArray]] = WeakKeyDictionary()  # omega2, excess
+
+
 def warn_if_too_stiff(mesh: FiniteElements, shapes: FloatArray) -> None:
     """Warn of a mesh whose lowest modes are too stiff by more than ``TOLERATED``, as far as its elements are known.
 
@@ -37,7 +41,9 @@ def warn_if_too_stiff(mesh: FiniteElements, shapes: FloatArray) -> None:
     values, vectors = ritz(mesh.stiffness, mesh.mass, shapes[:, :count])  # of a prestressed basis without the stress
     if not _are_modes(mesh, vectors):  # but static shapes
         values, vectors = FreeMesh.of(mesh).modes(count)
-    excess = mesh.excess(values, vectors)
+    if mesh not in _judged or not np.array_equal(_judged[mesh][0], values):
+        _judged[mesh] = values, mesh.excess(values, vectors)
+    excess = _judged[mesh][1]
     worst = int(excess.argmax())
     if excess[worst] <= TOLERATED:
         return

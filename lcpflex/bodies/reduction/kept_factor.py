@@ -9,22 +9,26 @@ from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.reduction.eigenmodes import Elastic, FreeMesh
 from lcpflex.jit.kernel import FloatArray
 
-__all__ = ["free_mesh"]
+__all__ = ["KeptMesh", "free_mesh"]
 
 MOST = 4  # meshes whose factors are kept: one of 2e5 degrees of freedom takes gigabytes
 
 
-class _Kept(FreeMesh):
-    """A mesh that is free, and its lowest modes by how many there are."""
+class KeptMesh(FreeMesh):
+    """A mesh that is free, with its lowest modes by how many there are, and what it gives way at places."""
+
+    def __init__(self, *parts: Any) -> None:
+        super().__init__(*parts)
+        self.compliances: dict[Any, FloatArray] = {}
+        self._modes: dict[int, tuple[FloatArray, FloatArray]] = {}
 
     def modes(self, count: int) -> tuple[FloatArray, FloatArray]:
         """The lowest modes."""
-        known: dict[int, tuple[FloatArray, FloatArray]] = vars(self).setdefault("_known", {})
-        if count not in known:
-            known[count] = super().modes(count)
-            for part in known[count]:
+        if count not in self._modes:
+            self._modes[count] = super().modes(count)
+            for part in self._modes[count]:
                 part.setflags(write=False)
-        return known[count]
+        return self._modes[count]
 
 
 _kept: WeakKeyDictionary[Any, FreeMesh] = WeakKeyDictionary()  # the last one used comes last
@@ -36,7 +40,7 @@ def free_mesh(mesh: Elastic) -> FreeMesh:
         return FreeMesh.of(mesh)
     found = _kept.pop(mesh, None)
     if found is None:
-        found = _Kept.of(mesh)
+        found = KeptMesh.of(mesh)
         while len(_kept) >= MOST:
             _kept.pop(next(iter(_kept)), None)
     _kept[mesh] = found

@@ -17,7 +17,7 @@ from lcpflex.bodies.fem.nodal_material import Nodes, displacement_rows, material
 from lcpflex.bodies.fem.node_sets import chosen_nodes
 from lcpflex.bodies.reduction.eigenmodes import Elastic, FreeMesh
 from lcpflex.bodies.reduction.interface import Interface, Interfaces, interfaces_of
-from lcpflex.bodies.reduction.kept_factor import free_mesh
+from lcpflex.bodies.reduction.kept_factor import KeptMesh, free_mesh
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 
@@ -91,10 +91,14 @@ class MeshStatics:
         place: x, y; in space the place of an :class:`Interface`.
         """
         if place not in self._known:
-            assert self._loads is not None
-            loads = self._loads(*place)
-            found = loads.T @ self._free.flexibility(loads)
-            self._known[place] = np.asarray(0.5 * (found + found.T))
+            free = self._free
+            shared = free.compliances if isinstance(free, KeptMesh) else self._known  # of all bodies of the mesh
+            if place not in shared:
+                assert self._loads is not None
+                loads = self._loads(*place)
+                found = loads.T @ free.flexibility(loads)
+                shared[place] = np.asarray(0.5 * (found + found.T))
+            self._known[place] = shared[place]
         return self._known[place]
 
     def enough(self, place: tuple[Any, ...], rows: FloatArray, share: float) -> int:
