@@ -229,8 +229,9 @@ class Result(NamesNearest):
     def stress(self, body: str, *, static: bool = True) -> StressHistory:
         """Stresses of a flexible body over the stored instants, computed when asked for: see :class:`StressHistory`.
 
-        body: its name. static: with the static part of what its modes leave out; False for its modes alone. Raises
-        ModelError for a body without elements or modes, and as :meth:`section` does.
+        body: its name; a meshed one with modes, in the plane or in space, or a planar beam or bar. static: with the
+        static part of what its modes leave out; False for its modes alone. Raises ModelError for a body without
+        elements or modes, and as :meth:`section` does.
         """
         return later.stress_history(self, body, static)
 

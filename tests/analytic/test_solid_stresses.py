@@ -271,6 +271,31 @@ def test_loads_of_a_free_body_balance() -> None:
         assert np.abs(moments.sum(axis=0)).max() < (1e-5 if k else 1e-12) * np.abs(moments).sum()
 
 
+def test_loads_of_bodies_in_contact_balance() -> None:
+    """A block that slides, one that spins on it, and a ball that strikes both: to rounding, about deformed places."""
+    soft = {"density": DENSITY, "youngs_modulus": 2e9, "poissons_ratio": NU}
+    block = lf.Solid.box((0.2, 0.15, 0.1), elements=(4, 3, 2), **soft)
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, -9.81))
+    low = scene.add(block.reduce(8, damping=0.2), name="low", position=(0, 0, 0.05), velocity=(0.5, 0.2, 0.0))
+    top = block.reduce(6, damping=0.2)
+    high = scene.add(top, name="high", position=(0.03, 0.02, 0.1505), angular_velocity=(0.0, 0.0, 3.0))
+    ball = scene.add(lf.Sphere(0.03, mass=5.0), position=(0.02, 0.01, 0.235), velocity=(0.0, 0.0, -0.3))
+    scene.contact(low.surface(), scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)), friction=0.3)
+    scene.contact(high.surface(), low.surface(), friction=0.3)
+    scene.contact(ball.surface(), high.surface(), friction=0.3)
+    result = lf.simulate(scene, 0.02, lf.MoreauJean(1e-4), record=0.01, progress=False)
+    assert len(set(result.contact_points.at(2).contact.tolist())) == 3  # all of them touch
+    for b, name in enumerate(("low", "high")):
+        recovery: Any = result.stress(name)._recovery
+        for k in (1, 2):
+            loads = recovery._loads.of(recovery._mesh, k).reshape(-1, 3)
+            start = int(result.compiled.model.bodies.place[b]) + 7  # type: ignore[union-attr]
+            bent = recovery._mesh.phi @ result.q[k, start : start + recovery._mesh.phi.shape[2]]
+            moments = np.cross(recovery.places + bent, loads)
+            assert np.abs(loads.sum(axis=0)).max() < 1e-12 * np.abs(loads).sum()
+            assert np.abs(moments.sum(axis=0)).max() < 1e-12 * np.abs(moments).sum()
+
+
 def test_what_cannot_be_told() -> None:
     scene = lf.SpatialScene(gravity=(0.0, 0.0, -9.81))
     scene.add(lf.Sphere(0.1, mass=1.0), name="ball")
