@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from lcpflex.bodies.fem.factor_cost import SUPERLU
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["AT_ONCE", "Factor", "NotPositive", "SuperLuFactor"]
@@ -23,6 +24,11 @@ class Factor(Protocol):
     @property
     def in_blocks(self) -> bool:
         """Whether many columns together take much less time than one by one."""
+        ...
+
+    @property
+    def memory(self) -> float:
+        """Bytes that it takes, about."""
         ...
 
     def solve(self, right: FloatArray) -> FloatArray:
@@ -43,6 +49,11 @@ class SuperLuFactor:
     def in_blocks(self) -> bool:
         """It takes four fifths of the time, which Lanczos iterations with blocks lose by more columns."""
         return False
+
+    @property
+    def memory(self) -> float:
+        """Bytes that it takes, about."""
+        return 0.5 * SUPERLU.memory * float(self._lu.nnz)  # entries of both triangles
 
     def solve(self, right: FloatArray) -> FloatArray:
         """x of b (n,) or (n, k)."""

@@ -35,6 +35,7 @@ PARAMETERS = {
     2: 2,  # order by METIS
     8: 0,  # no steps of iterative refinement: pivots are never changed, and the two by default treble the time
 }
+MEMORY = (16, 17)  # parameters that tell it: kilobytes of the analysis and of the factor
 NOT_POSITIVE, NO_MEMORY = -4, -2  # errors
 
 
@@ -50,6 +51,11 @@ class PardisoFactor:
     def in_blocks(self) -> bool:
         """One column takes a quarter of the time of 16: most of it is reading the factor."""
         return True
+
+    @property
+    def memory(self) -> float:
+        """Bytes that it takes, about."""
+        return 1024.0 * sum(float(self._solver.get_iparm(number)) for number in MEMORY)
 
     def solve(self, right: FloatArray) -> FloatArray:
         """x of b (n,) or (n, k)."""

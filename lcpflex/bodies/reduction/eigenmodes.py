@@ -11,7 +11,7 @@ elastic modes first, without a shift, from one sparse factor that serves static 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, Self, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -107,7 +107,7 @@ class FreeMesh:
         self._factor, self._free = self._held(mass, rigid, rank)
 
     @classmethod
-    def of(cls, mesh: Elastic, massless: BoolArray | None = None) -> FreeMesh:
+    def of(cls, mesh: Elastic, massless: BoolArray | None = None) -> Self:
         """That of a mesh, which must be one piece."""
         return cls(mesh.mass, mesh.stiffness, mesh.rigid, mesh.rank, massless)
 

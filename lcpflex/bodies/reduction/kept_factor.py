@@ -11,7 +11,8 @@ from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["KeptMesh", "free_mesh"]
 
-MOST = 4  # meshes whose factors are kept: one of 2e5 degrees of freedom takes gigabytes
+MOST = 4  # meshes whose factors are kept
+MEMORY = 2 * 2**30  # bytes of the factors that are kept while another is made, as PARDISO's of 2e5 degrees of freedom
 
 
 class KeptMesh(FreeMesh):
@@ -22,6 +23,11 @@ class KeptMesh(FreeMesh):
         self.compliances: dict[Any, FloatArray] = {}
         self._modes: dict[int, tuple[FloatArray, FloatArray]] = {}
 
+    @property
+    def memory(self) -> float:
+        """Bytes of its factor, about."""
+        return self._factor.memory
+
     def modes(self, count: int) -> tuple[FloatArray, FloatArray]:
         """The lowest modes."""
         if count not in self._modes:
@@ -31,7 +37,7 @@ class KeptMesh(FreeMesh):
         return self._modes[count]
 
 
-_kept: WeakKeyDictionary[Any, FreeMesh] = WeakKeyDictionary()  # the last one used comes last
+_kept: WeakKeyDictionary[Any, KeptMesh] = WeakKeyDictionary()  # the last one used comes last
 
 
 def free_mesh(mesh: Elastic) -> FreeMesh:
@@ -40,8 +46,8 @@ def free_mesh(mesh: Elastic) -> FreeMesh:
         return FreeMesh.of(mesh)
     found = _kept.pop(mesh, None)
     if found is None:
-        found = KeptMesh.of(mesh)
-        while len(_kept) >= MOST:
+        while len(_kept) >= MOST or sum(one.memory for one in list(_kept.values())) > MEMORY:
             _kept.pop(next(iter(_kept)), None)
+        found = KeptMesh.of(mesh)
     _kept[mesh] = found
     return found

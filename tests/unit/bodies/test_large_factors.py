@@ -12,16 +12,21 @@ import pytest
 from scipy.linalg import cholesky
 from scipy.sparse import csc_matrix, diags_array, kron, random_array
 
+import lcpflex as lf
 from lcpflex.basics import libs
 from lcpflex.bodies.fem import factor_cost, pardiso, sparse_factor
 from lcpflex.bodies.fem.factor_cost import PARDISO, SUPERLU, Cost, check_reach, cost_of
 from lcpflex.bodies.fem.factors import SuperLuFactor
 from lcpflex.bodies.fem.sparse_factor import NotPositive, positive_factor
+from lcpflex.bodies.reduction import kept_factor
+from lcpflex.bodies.reduction.kept_factor import free_mesh
 from lcpflex.errors import ModelError, ModelWarning
+
+STEEL = {"density": 7850.0, "youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
 
 
 @cache
-def grid(k: int = 12) -> csc_matrix:
+def grid(k: int = 9) -> csc_matrix:
     """A discrete Laplace operator of k^3 nodes, positive definite."""
     line = diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(k, k))
     one = diags_array(np.ones(k))
@@ -47,6 +52,10 @@ class TestCost:
 
     def test_a_full_matrix(self):
         assert cost_of(csc_matrix(np.ones((7, 7)))) == (28.0, 140.0)
+
+    def test_memory_of_a_factor_is_what_was_counted(self):
+        found = by_superlu(grid())
+        assert found.memory == pytest.approx(SUPERLU.memory * cost_of(grid()).entries, rel=0.05)
 
     def test_small_factors_say_nothing(self):
         check_reach(1000, Cost(1e6, 1e8), SUPERLU, better=True)  # warnings are errors here
@@ -84,14 +93,14 @@ class TestCost:
         monkeypatch.setattr(sparse_factor, "FEW", 100)
         monkeypatch.setattr(factor_cost, "memory_of_machine", lambda: 1e5)
         monkeypatch.setattr(sparse_factor, "_superlu", lambda _: pytest.fail("it was begun"))
-        with pytest.raises(ModelError, match="1728 degrees of freedom"):
+        with pytest.raises(ModelError, match="729 degrees of freedom"):
             by_superlu(grid())
 
     def test_full_matrices_are_counted_however_small(self, monkeypatch):
         monkeypatch.setattr(sparse_factor, "PER_ROW", 1)
         monkeypatch.setattr(sparse_factor, "FEW", 3000)
         monkeypatch.setattr(factor_cost, "memory_of_machine", lambda: 1e5)
-        with pytest.raises(ModelError, match="1728 degrees of freedom"):
+        with pytest.raises(ModelError, match="729 degrees of freedom"):
             by_superlu(grid())
 
 
@@ -119,6 +128,9 @@ class Fake:
 
             def set_iparm(self, number: int, value: int) -> None:
                 self.iparm[number] = value
+
+            def get_iparm(self, number: int) -> int:
+                return {16: 100, 17: 900}[number]
 
             def factorize(self, upper) -> None:
                 assert abs(upper - upper.T).nnz, "one triangle was expected"
@@ -149,7 +161,8 @@ def small(monkeypatch):
 
 def install(monkeypatch, module) -> None:
     """Have ``import pypardiso`` find this; None: nothing."""
-    monkeypatch.delitem(vars(libs), "pypardiso", raising=False)
+    monkeypatch.setitem(vars(libs), "pypardiso", None)  # what is loaded in its place goes with the test
+    del vars(libs)["pypardiso"]
     monkeypatch.setitem(sys.modules, "pypardiso", module)
 
 
@@ -161,6 +174,7 @@ class TestPardiso:
         factor = positive_factor(grid(), np.arange(grid().shape[0]))
         assert (fake.mtype, fake.layers) == (2, [("interface", 0), ("threads", 1)])
         assert factor.in_blocks
+        assert factor.memory == 1000 * 1024
         right = np.random.default_rng(1).standard_normal((grid().shape[0], 70))
         plain = by_superlu_alone(grid())
         assert factor.solve(right) == pytest.approx(plain.solve(right), rel=1e-9, abs=1e-9)
@@ -183,7 +197,7 @@ class TestPardiso:
 
     def test_too_little_memory(self, monkeypatch):
         install(monkeypatch, Fake(error=-2))
-        with pytest.raises(ModelError, match="the memory does not suffice to factorise a mesh of 1728"):
+        with pytest.raises(ModelError, match="the memory does not suffice to factorise a mesh of 729"):
             positive_factor(grid(), np.arange(grid().shape[0]))
 
     def test_other_errors_are_told_and_superlu_goes_on(self, monkeypatch):
@@ -236,3 +250,16 @@ class TestTheRealOne:
         assert first.solve(one) == pytest.approx(2.0 * second.solve(one))
         del first
         assert grid() @ second.solve(one) == pytest.approx(0.5 * one)
+
+
+def test_factors_that_are_kept_are_few_and_small(monkeypatch):
+    made = [lf.Solid.box((0.3, 0.2, 0.1 * k), elements=(2, 2, 2), **STEEL) for k in (1, 2, 3)]
+    meshes = [one.finite_elements() for one in made]
+    first = free_mesh(meshes[0])
+    assert free_mesh(meshes[0]) is first
+    free_mesh(meshes[1])
+    assert free_mesh(meshes[0]) is first
+    monkeypatch.setattr(kept_factor, "MEMORY", 0.5 * first._factor.memory)
+    last = free_mesh(meshes[2])
+    assert free_mesh(meshes[2]) is last
+    assert free_mesh(meshes[0]) is not first
