@@ -214,21 +214,26 @@ def _spatial_section(sensor: SpatialSection, window: Window) -> Any:
 
 
 def _stress_columns(sensor: Stress) -> Columns:
-    return Columns(("xx", "yy", "xy", "zz", "von Mises"), ("Pa",) * 5)
+    parts = ("xx", "yy", "xy", "zz", *(("yz", "zx") if len(sensor.place) == 3 else ()))
+    return Columns((*parts, "von Mises"), ("Pa",) * (len(parts) + 1))
 
 
 def _stress(sensor: Stress, window: Window) -> Any:
     history = stress_history(window.result, str(sensor.body), sensor.static, window.step)
-    away = np.hypot(*(history.places - sensor.place).T)
+    components = history.places.shape[1]
+    if len(sensor.place) != components:
+        raise ModelError(f"place: {shown(sensor.place)} was given, expected {components} numbers, undeformed")
+    away = np.hypot.reduce(history.places - sensor.place, axis=1)
     k = int(away.argmin())
     if not away[k] <= AT_NODE * float(np.ptp(history.places, axis=0).max()):
-        x, y = history.places[k].tolist()
+        nearest = ", ".join(f"{value:.9g}" for value in history.places[k])
         raise ModelError(
             f"place: {shown(sensor.place)} was given, expected a place where stresses are known, the nearest of which "
-            f"is ({x:.9g}, {y:.9g})"
+            f"is ({nearest})"
         )
+    names = [name.replace(" ", "_").lower() for name in _stress_columns(sensor).names]
     found = [history.of(row) for row in window.rows]
-    return np.array([[one.xx[k], one.yy[k], one.xy[k], one.zz[k], one.von_mises[k]] for one in found]).reshape(-1, 5)
+    return np.array([[getattr(one, name)[k] for name in names] for one in found]).reshape(-1, len(names))
 
 
 def _function_columns(sensor: Function) -> Columns:

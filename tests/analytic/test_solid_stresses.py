@@ -347,6 +347,29 @@ def test_files_of_solids_hold_stress(resting: lf.Result, tmp_path: Path) -> None
             assert np.isnan(arrays["von Mises stress"][rows.stop : (k + 1) * points]).all()
 
 
+def test_sensor_of_stress() -> None:
+    """At a node, what the result tells there; a place of the plane, or off the nodes, is refused."""
+    body = lf.Solid.bar(1.0, 0.1, 0.05, elements=(10, 2, 2), **STEEL).reduce(3)
+
+    def sensed_at(place: tuple[float, ...]) -> lf.Result:
+        scene = lf.SpatialScene(gravity=(9.81, 0.0, 0.0))
+        b = scene.add(body, name="bar")
+        scene.join(lf.Weld(b.point("left"), scene.ground.at(-0.5, 0.0, 0.0)))
+        scene.sensor(lf.sensors.Stress(b, place, name="middle"))
+        return lf.simulate(scene, 1e-3, lf.MoreauJean(1e-4), record=5e-4, progress=False)
+
+    result = sensed_at((0.0, 0.0, 0.0))
+    stress = result.stress("bar").all()
+    k = int(np.linalg.norm(stress.places, axis=1).argmin())
+    sensed = result.sensor("middle")
+    for name in ("xx", "yy", "xy", "zz", "yz", "zx", "von_mises"):
+        column = sensed.column(name.replace("von_mises", "von Mises"))
+        assert column == pytest.approx(getattr(stress, name)[:, k], rel=1e-9, abs=1e-6)
+    for place, words in (((0.0, 0.0), "expected 3 numbers"), ((0.01, 0.0, 0.0), r"the nearest of which is \(")):
+        with pytest.raises(ModelError, match=words):
+            sensed_at(place)
+
+
 def test_principal_stresses() -> None:
     """Descending, with the invariants of the tensor; of planar stress those of Mohr's circle and sigma_zz; NaN kept."""
     s = np.random.default_rng(5).normal(size=(6, 4, 7)) * 1e8

@@ -31,9 +31,7 @@ __all__ = ["compiled_spatial_sensor"]
 
 
 def compiled_spatial_sensor(name: str, sensor: Sensor, bodies: SpatialBodies, layout: Layout) -> Sensor:
-    """The sensor of that name. Raises ModelError for one that is planar so far, and for unknown bodies and names."""
-    if isinstance(sensor, Stress):
-        raise ModelError(f"sensor {name!r}: Stress is planar so far, expected another sensor in a SpatialScene")
+    """The sensor of that name. Raises ModelError for unknown bodies and names."""
     if isinstance(sensor, Point):
         material = sensor.P.material
         return MaterialPoint(sensor.P.body, frozen(material.place), frozen(material.phi), sensor.every, name)
@@ -52,6 +50,8 @@ def compiled_spatial_sensor(name: str, sensor: Sensor, bodies: SpatialBodies, la
         return SpatialContact(sensor.contact, sensor.every, name)
     if isinstance(sensor, Section):
         return SpatialSection(body_name(sensor), sensor.x, sensor.every, name)
+    if isinstance(sensor, Stress):
+        return replace(sensor, body=body_name(sensor), name=name)
     named: Any = sensor
     return replace(named, name=name)  # type: ignore[no-any-return]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from lcpflex.basics.arguments import numbers
 from lcpflex.basics.options import keep_flag, keep_number
 from lcpflex.bodies.body import array_of
 from lcpflex.scene.handles import Placed
@@ -108,14 +109,15 @@ class SpatialSection:
 class Stress:
     """Stresses of a flexible body at one place [Pa], as :class:`lcpflex.results.result.StressHistory`.
 
-    They are computed in Python, in some milliseconds a measurement. body: a flexible one, or its name. place: (x, y)
-    of a place where stresses are known, such as a node [m], undeformed. static: with what its modes leave out. every:
-    time between measurements [s], see :meth:`lcpflex.Scene.sensor`. name: of the sensor. Raises ModelError for a body
-    without elements, or a place where no stress is known.
+    They are computed in Python, in some milliseconds a measurement, and what they need of a mesh now and then, which
+    takes as long as its reduction. body: a flexible one, or its name. place: (x, y), or (x, y, z) in space, of a place
+    where stresses are known, such as a node [m], undeformed, in its frame. static: with what its modes leave out.
+    every: time between measurements [s], see :meth:`lcpflex.Scene.sensor`. name: of the sensor. Raises ModelError for a
+    body without elements, or a place where no stress is known.
     """
 
     body: Placed | str
-    place: tuple[float, float]
+    place: tuple[float, ...]
     static: bool = True
     every: float | None = None
     name: str = ""
@@ -123,6 +125,8 @@ class Stress:
     def __post_init__(self) -> None:
         check_sensor(self)
         keep_body(self)
-        x, y = array_of("Stress: place", self.place, (2,)).tolist()
-        object.__setattr__(self, "place", (x, y))
+        given = numbers(self.place)
+        components = 3 if given is not None and given.shape == (3,) else 2
+        place = array_of("Stress: place", self.place, (components,))
+        object.__setattr__(self, "place", tuple(place.tolist()))
         keep_flag(self, "static", label="Stress: static")

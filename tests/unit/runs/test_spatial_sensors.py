@@ -109,7 +109,6 @@ def test_functions_are_asked_with_rotations() -> None:
 @pytest.mark.parametrize(
     ("sensor", "words"),
     [
-        (lf.sensors.Stress("box", (0.0, 0.0)), "Stress is planar so far"),
         (lf.sensors.Body("bx"), "body: no body 'bx'"),
         (lf.sensors.Coordinates(("box.angle",)), "names: no coordinate or velocity 'box.angle'"),
         (lf.sensors.Reaction("hinge"), "joint: no joint 'hinge'"),
