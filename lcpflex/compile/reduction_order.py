@@ -160,12 +160,12 @@ def _equal(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
     )
 
 
-def _check_kind(model: Any, kind: type[AnyBody]) -> None:
-    """Refuse what becomes a body of the other dimension."""
-    in_space = getattr(model, "reduces_to", Body) is not Body
-    if in_space is (kind is Body):
-        words = "of space belong into a SpatialScene" if in_space else "planar ones belong into a Scene"
-        raise ModelError(f"body: {type(model).__name__} was given, which is not of this kind of scene: {words}")
+def _check_kind(model: Any, made: Any, kind: type[AnyBody]) -> None:
+    """Refuse what becomes a body of the other dimension, or none; ``made``: the kind that it becomes."""
+    if made is not kind:
+        words = "planar ones belong into a Scene" if made is Body else "of space belong into a SpatialScene"
+        told = words if isinstance(made, type) and hasattr(made, "modes") else f"its reduce() gave {shown(made)}"
+        raise ModelError(f"body: {type(model).__name__} was given, which is not of this kind of scene: {told}")
 
 
 def _kind(acting: Acting) -> tuple[str, bool]:
@@ -195,7 +195,7 @@ def order_of(
     ModelError
         For a model that cannot be reduced, and numbers that cannot be.
     """
-    _check_kind(model, kind)
+    _check_kind(model, getattr(model, "reduces_to", Body if isinstance(model, Beam | Bar) else kind), kind)
     if modes is None:
         raise ModelError(f"modes: none were given for {type(model).__name__}, expected a number of free modes, modes=8")
     n = whole_number("modes", modes, 0, MOST_MODES)
@@ -220,4 +220,6 @@ def order_of(
         modal_velocity=zeros if modal_velocity is None else array_of("modal_velocity", modal_velocity, (n,)),
         made=next(alike, {}),
     )
-    return order, undeformed(model) if hasattr(model, "finite_elements") else model.reduce(0)
+    body: Any = undeformed(model) if hasattr(model, "finite_elements") else model.reduce(0)
+    _check_kind(model, type(body), kind)
+    return order, body

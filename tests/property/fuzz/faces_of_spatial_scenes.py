@@ -57,6 +57,12 @@ def _sides(a: Any = None, b: Any = None) -> Any:
     return given["a"].scene.contact(given["a"] if a is None else a, given["b"] if b is None else b)
 
 
+@cache
+def _solid() -> lf.Solid:
+    steel = {"density": 7800.0, "youngs_modulus": 2e11, "poissons_ratio": 0.3}
+    return lf.Solid.bar(0.2, 0.02, 0.01, elements=(4, 1, 1), **steel)
+
+
 def spatial_parts_faces() -> list[Face]:
     axis = (0.0, 0.0, 1.0)
 
@@ -112,6 +118,7 @@ def spatial_parts_faces() -> list[Face]:
         told("angular_velocity", body="ball", axes="body"),
         Face("SpatialScene", lf.SpatialScene, dict),
         Face("SpatialScene.add", lf.SpatialScene.add, lambda: {"body": lf.Sphere(0.1, mass=1.0)}, lf.SpatialScene),
+        Face("SpatialScene.add flexible", lf.SpatialScene.add, lambda: {"body": _solid(), "modes": 2}, lf.SpatialScene),
         Face("SpatialScene.body", lf.SpatialScene.body, lambda: {"name": "ball"}, scene),
         Face("SpatialScene.compile", lf.SpatialScene.compile, dict, scene),
         part("Ball"),

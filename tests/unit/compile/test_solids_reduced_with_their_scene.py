@@ -418,6 +418,16 @@ def test_solids_do_not_belong_into_the_plane() -> None:
             lf.Scene().add(model, modes=3)
 
 
+def test_what_reduces_to_something_else_is_refused() -> None:
+    class Own:
+        def reduce(self, modes: int) -> Any:
+            return modes
+
+    for scene in (lf.Scene(), lf.SpatialScene()):
+        with pytest.raises(lf.ModelError, match="Own was given, which is not of this kind of scene: its reduce"):
+            scene.add(Own(), modes=3)  # type: ignore[arg-type]
+
+
 def test_errors_of_a_reduction_name_the_body() -> None:
     scene = lf.SpatialScene()
     scene.add(bricks(), "arm", modes=5000)
