@@ -354,7 +354,7 @@ def test_stiffness_of_elements_of_odd_numbers_is_summed_in_batches(monkeypatch: 
 @pytest.mark.parametrize(("kind", "counts"), [("tetra10", (3, 2, 1)), ("hexahedron", (4, 3, 2))])
 def test_every_reduction_of_the_plane_takes_solids(kind: str, counts: tuple[int, int, int]) -> None:
     """Frequencies fall to those of the mesh; static compliance in the region is exact but for the published basis."""
-    given = solid(kind, counts, sets={"tip": lambda x, y, z: x > 0.22})
+    given = solid(kind, counts, sets={"tip": lambda x, y, z: x > 0.19})
     exact, nodes = lf.unreduced(given), given.finite_elements().sets["tip"]
 
     def compliance(body: lf.SpatialBody) -> FloatArray:
@@ -372,7 +372,9 @@ def test_every_reduction_of_the_plane_takes_solids(kind: str, counts: tuple[int,
         few, many = reduce(4), reduce(40)
         excess = [float((body.frequencies()[:4] / exact.frequencies()[:4] - 1.0).max()) for body in (few, many)]
         assert -1e-8 < excess[1] < max(excess[0], 1e-9)
-        assert excess[1] < (0.05 if name == "published" else 1e-3)
+        assert excess[1] < (
+            0.05 if name == "published" else 5e-3
+        )  # they fall like modes^-1 as published, else like modes^-3
         error = np.abs(compliance(few) - whole).max() / np.abs(whole).max()
         if name in ("residual", "region"):  # for loads with a resultant, too
             assert error < 1e-6
