@@ -105,9 +105,7 @@ class SpatialMatrices:
         """What every reduction starts from."""
         places, sets = np.asarray(self.coordinates), self.node_sets
         faces: Mapping[str, IntArray] = self.faces  # type: ignore[assignment]  # as __post_init__ stored them
-        facets = np.concatenate(list(faces.values())) if faces else np.zeros((0, 3), dtype=np.int64)
-        ends = np.cumsum([0, *(len(one) for one in faces.values())])
-        rows = {name: np.arange(*ends[k : k + 2]) for k, name in enumerate(faces)}
+        facets, rows = _without_copies(faces)
         return FiniteElements(
             mass=self.mass,
             stiffness=self.stiffness,
@@ -151,6 +149,17 @@ def _faces(given: Mapping[Any, Any], count: int, sets: Mapping[str, IntArray]) -
     if len(kinds) > 1:
         raise ModelError(f"faces: facets of {kinds} nodes were given, expected those of one kind of element")
     return faces
+
+
+def _without_copies(faces: Mapping[str, IntArray]) -> tuple[IntArray, dict[str, IntArray]]:
+    """The facets of all faces, each once: faces may share some; and which of them each face has."""
+    if not faces:
+        return np.zeros((0, 3), dtype=np.int64), {}
+    every = np.concatenate(list(faces.values()))
+    _, first, number = np.unique(np.sort(every, axis=1), axis=0, return_index=True, return_inverse=True)
+    ends = np.cumsum([len(one) for one in faces.values()])
+    rows = np.split(number.ravel(), ends[:-1])
+    return every[first], {name: np.unique(own) for name, own in zip(faces, rows, strict=True)}
 
 
 def _facets(name: str, value: Any, count: int, wide: tuple[int, ...]) -> IntArray:

@@ -1,0 +1,30 @@
+"""Places, sets and faces of solids: which nodes are meant, how much each counts, and what acts there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lcpflex as lf
+from lcpflex.bodies.fem.mesh import KINDS, Mesh
+from lcpflex.bodies.fem.node_weights import node_weights
+from tests.solid_meshes import EDGES, QUIET, STEEL, meshed_block, solid
+
+FACES = {"top": lambda x, y, z: abs(z - 0.1) < 1e-9, "part": lambda x, y, z: (abs(z - 0.1) < 1e-9) & (x < 0.101)}
+
+
+@QUIET
+def test_faces_of_matrices_may_share_facets() -> None:
+    """A part of a face that is named, too, does not count twice in the whole."""
+    mesh = solid("hexahedron", (3, 2, 1), sets=FACES).finite_elements()
+    faces = {name: mesh.facets[mesh.faces[name]] for name in FACES}
+    given = lf.SpatialMatrices(mesh.mass, mesh.stiffness, mesh.places, faces=faces)
+    body = given.reduce(2, interfaces=["top", "part"])
+    assert body.points["top"].place + body.origin == pytest.approx([0.15, 0.1, 0.1], abs=1e-12)
+    assert body.points["part"].place + body.origin == pytest.approx([0.05, 0.1, 0.1], abs=1e-12)
+    found = given.finite_elements()
+    assert len(found.facets) == 6
+    for name, rows in found.faces.items():
+        assert np.array_equal(np.unique(found.facets[rows]), np.unique(faces[name]))
