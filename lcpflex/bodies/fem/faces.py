@@ -20,7 +20,7 @@ from lcpflex.bodies.fem.user_sets import user_sets
 from lcpflex.errors import ModelError, ModelWarning
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["SURFACE", "Faces", "areas_of", "faces_of", "flat_facets", "split_facets"]
+__all__ = ["SURFACE", "Faces", "areas_of", "even_parts", "faces_of", "flat_facets", "split_facets"]
 
 SURFACE = "surface"  # the name of all of it
 OPPOSITE = -0.999  # cosine of the normals of faces that lie on each other
@@ -152,7 +152,18 @@ def split_facets(facets: IntArray) -> IntArray:
 
     Facets of eight nodes have no middle, and are split into six triangles.
     """
-    parts = _PARTS[facets.shape[1]]
+    return _split(facets, _PARTS[facets.shape[1]])
+
+
+def even_parts(facets: IntArray) -> IntArray:
+    """(S, 3 or 4) parts among which areas are shared: those of :func:`split_facets`, however the nodes are numbered.
+
+    Those of facets of eight nodes are cut along both diagonals of what is between their middles, and so cover it twice.
+    """
+    return _split(facets, _EIGHT_EVENLY if facets.shape[1] == 8 else _PARTS[facets.shape[1]])
+
+
+def _split(facets: IntArray, parts: IntArray) -> IntArray:
     return np.asarray(facets[:, parts].reshape(-1, parts.shape[1]))
 
 
@@ -171,6 +182,7 @@ _PARTS = {  # by the number of nodes of a facet
     8: np.array([[0, 4, 7], [4, 1, 5], [5, 2, 6], [6, 3, 7], [4, 5, 6], [4, 6, 7]]),
     9: np.array([[0, 4, 8, 7], [4, 1, 5, 8], [8, 5, 2, 6], [7, 8, 6, 3]]),
 }
+_EIGHT_EVENLY = np.concatenate([_PARTS[8], _PARTS[8][:4], [[5, 6, 7], [5, 7, 4]]])
 
 
 def areas_of(places: FloatArray, parts: IntArray) -> FloatArray:

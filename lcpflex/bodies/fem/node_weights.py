@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from lcpflex.bodies.fem.assembly import mass_matrix
-from lcpflex.bodies.fem.faces import areas_of, split_facets
+from lcpflex.bodies.fem.faces import areas_of, even_parts
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.jit.kernel import FloatArray, IntArray
 
@@ -41,7 +41,7 @@ def _by_elements(mesh: FiniteElements, chosen: np.ndarray[tuple[int], np.dtype[n
 
 
 def _by_area(mesh: FiniteElements, chosen: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> FloatArray:
-    parts = split_facets(mesh.facets[chosen[mesh.facets].all(axis=1)])
+    parts = even_parts(mesh.facets[chosen[mesh.facets].all(axis=1)])
     area = areas_of(mesh.places, parts) / parts.shape[1]
     return np.asarray(np.bincount(parts.ravel(), np.repeat(area, parts.shape[1]), len(chosen)), dtype=np.float64)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.basics import libs
-from lcpflex.bodies.fem.faces import split_facets
+from lcpflex.bodies.fem.faces import even_parts
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.reduction.bases import Basis, constraint_columns, enough_nodes, left_loose
 from lcpflex.bodies.reduction.eigenmodes import orthonormal_frame
@@ -48,7 +48,7 @@ def nodal_normals(mesh: FiniteElements, argument: str, nodes: IntArray) -> Float
 
 def _summed(mesh: FiniteElements, facets: IntArray) -> FloatArray:
     """(N, 3) area vectors of facets, shared by the nodes of their linear parts."""
-    parts = split_facets(facets)
+    parts = even_parts(facets)
     corners = mesh.places[parts]
     last = corners.shape[1] - 1
     vector = np.cross(corners[:, 1] - corners[:, last], corners[:, 2] - corners[:, 0])

@@ -28,3 +28,16 @@ def test_faces_of_matrices_may_share_facets() -> None:
     assert len(found.facets) == 6
     for name, rows in found.faces.items():
         assert np.array_equal(np.unique(found.facets[rows]), np.unique(faces[name]))
+
+
+def test_nodes_of_facets_of_eight_count_alike_however_they_are_numbered() -> None:
+    mesh = meshed_block("hexahedron20", EDGES, (2, 2, 1))
+    kind = KINDS["hexahedron20"]
+    corners = [1, 2, 3, 0, 5, 6, 7, 4]  # the element turned by 90 degrees about z
+    amid = {frozenset(pair): 8 + edge for edge, pair in enumerate(kind.pairs)}
+    order = [*corners, *(amid[frozenset(corners[k] for k in pair)] for pair in kind.pairs)]
+    nodes = np.flatnonzero(np.abs(mesh.places[:, 2] - 0.1) < 1e-9)
+    turned = Mesh(kind, mesh.places, mesh.cells[:, order])
+    weights = [node_weights(lf.Solid(one, **STEEL).finite_elements(), nodes) for one in (mesh, turned)]
+    assert weights[0] == pytest.approx(weights[1], rel=1e-12)
+    assert weights[0] @ mesh.places[nodes] == pytest.approx([0.15, 0.1, 0.1], abs=1e-12)
