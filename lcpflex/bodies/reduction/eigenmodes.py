@@ -47,6 +47,7 @@ __all__ = [
 DENSE_LIMIT = 1200  # up to this size the full eigenproblem costs less than a second
 FULL_LIMIT = 6000  # degrees of freedom beyond which the full eigenproblem is refused
 MEMORY = 5 * 2**30  # bytes that full columns may take: 8 with matrices and factor of 2e5 degrees of freedom in space
+BALANCED = 1e-12  # part of a load beyond what inertia balances everywhere that is rounding
 RESTARTS = 500  # of Lanczos iterations, which take about ten
 EPS = float(np.finfo(np.float64).eps)
 
@@ -112,8 +113,9 @@ class FreeMesh:
         return cls(mesh.mass, mesh.stiffness, mesh.rigid, mesh.rank, massless)
 
     def flexibility(self, loads: FloatArray) -> FloatArray:
-        """G f of loads (f,) or (f, k)."""
+        """G f of loads (f,) or (f, k); zeros for those that inertia balances everywhere, which deform nothing."""
         balanced = loads - self.mass @ (self.frame @ (self.frame.T @ loads))
+        balanced *= ~(np.linalg.norm(balanced, axis=0) <= BALANCED * np.linalg.norm(loads, axis=0))
         out = np.zeros_like(balanced)
         out[self._free] = self._factor.solve(balanced[self._free])
         out -= self.frame @ (self.frame.T @ (self.mass @ out))

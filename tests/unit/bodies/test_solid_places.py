@@ -41,3 +41,10 @@ def test_nodes_of_facets_of_eight_count_alike_however_they_are_numbered() -> Non
     weights = [node_weights(lf.Solid(one, **STEEL).finite_elements(), nodes) for one in (mesh, turned)]
     assert weights[0] == pytest.approx(weights[1], rel=1e-12)
     assert weights[0] @ mesh.places[nodes] == pytest.approx([0.15, 0.1, 0.1], abs=1e-12)
+
+
+@QUIET
+def test_loads_that_inertia_balances_everywhere_add_no_modes() -> None:
+    """The mean of all nodes of equal elements moves with the mass centre: moments alone deform the body there."""
+    body = solid("hexahedron", (3, 2, 1)).reduce(4, interfaces=[list(range(24))])
+    assert body.residual_modes == 6 - 3
