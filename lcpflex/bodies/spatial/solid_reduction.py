@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.arguments import array_of, one_of, sequence_of
+from lcpflex.basics.arguments import array_of, numbers, one_of, sequence_of
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.node_sets import Nodes, chosen_nodes, rows_of
 from lcpflex.bodies.fem.stiffness_error import warn_if_too_stiff
@@ -27,7 +27,7 @@ from lcpflex.bodies.spatial.flexible import check_deformation, flexible_body
 from lcpflex.bodies.spatial.interfaces import Find, interface_columns, unit_loads
 from lcpflex.bodies.spatial.nodes import NodePoints
 from lcpflex.bodies.spatial.solid_mesh import solid_mesh
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.recovery import MeshShapes
 
@@ -156,12 +156,30 @@ def _point(mesh: FiniteElements, points: NodePoints, name: str, place: Any) -> P
     """The point of a name, of nodes by their numbers, or at a place (x, y, z)."""
     if isinstance(place, NodeMean):
         return points.of_nodes(place.nodes, place.weights)
-    if not isinstance(place, str) and np.size(place) == 3 and np.asarray(place).dtype.kind == "f":
+    listed = numbers(place)
+    if listed is not None and listed.shape == (3,) and np.asarray(place).dtype.kind == "f":
         try:
-            return points.at(*array_of(name, place, (3,)).tolist())
+            return points.at(*array_of("x, y, z", listed, (3,)).tolist())
         except ModelError as error:
             raise ModelError(f"{name}: {error}") from None
-    return points.of_nodes(chosen_nodes(mesh, name, place))
+    try:
+        nodes = chosen_nodes(mesh, name, place)
+    except ModelError as error:
+        raise ModelError(f"{error}; or a place (x, y, z) of three floats") from None
+    if isinstance(place, tuple) and len(nodes) == 3 and _on_mesh(points, place):
+        raise ModelError(
+            f"{name}: {shown(place)} was given, which are nodes and a place of the mesh, too, expected a list of nodes "
+            "or a place of floats"
+        )
+    return points.of_nodes(nodes)
+
+
+def _on_mesh(points: NodePoints, place: Any) -> bool:
+    try:
+        points.at(*place)
+    except ModelError:
+        return False
+    return True
 
 
 def _contact_columns(mesh: FiniteElements, contact: Nodes, rows: str) -> FloatArray:
