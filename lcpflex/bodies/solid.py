@@ -22,7 +22,7 @@ from lcpflex.bodies.fem.mesh import KINDS, Mesh
 from lcpflex.bodies.fem.stiffness_error import stiffness_error
 from lcpflex.bodies.spatial.body import SpatialBody
 from lcpflex.bodies.spatial.solid_reduction import reduce_solid
-from lcpflex.errors import ModelError, ModelWarning
+from lcpflex.errors import ModelError, ModelWarning, shown
 
 __all__ = ["Solid"]
 
@@ -116,7 +116,7 @@ class Solid:
         **material : ``density``, ``youngs_modulus``, ``poissons_ratio``, ``sets``, and ``length_unit`` of all lengths
             here, as for :class:`Solid`
         """
-        return cls._shaped(shapes.box(sizes, size, near=near, elements=elements), material)
+        return cls._shaped(shapes.box(sizes, size, near=near, elements=elements), near, material)
 
     @classmethod
     def bar(
@@ -134,7 +134,7 @@ class Solid:
 
         length, height, width : [m]. Faces, size, near, elements and material : those of :meth:`box`.
         """
-        return cls._shaped(shapes.bar(length, height, width, size, near=near, elements=elements), material)
+        return cls._shaped(shapes.bar(length, height, width, size, near=near, elements=elements), near, material)
 
     @classmethod
     def cylinder(cls, radius: float, length: float, size: float, *, near: Near | None = None, **material: Any) -> Solid:
@@ -142,7 +142,7 @@ class Solid:
 
         radius, length : [m]. size, near, material : as for :meth:`box`.
         """
-        return cls._shaped(shapes.cylinder(radius, length, size, near=near), material)
+        return cls._shaped(shapes.cylinder(radius, length, size, near=near), near, material)
 
     @classmethod
     def tube(
@@ -152,7 +152,7 @@ class Solid:
 
         inner, outer : radii, 0 < inner < outer [m]. length : [m]. size, near, material : as for :meth:`box`.
         """
-        return cls._shaped(shapes.tube(inner, outer, length, size, near=near), material)
+        return cls._shaped(shapes.tube(inner, outer, length, size, near=near), near, material)
 
     @classmethod
     def ball(cls, radius: float, size: float, *, near: Near | None = None, **material: Any) -> Solid:
@@ -160,11 +160,15 @@ class Solid:
 
         radius : [m]. size, near, material : as for :meth:`box`.
         """
-        return cls._shaped(shapes.ball(radius, size, near=near), material)
+        return cls._shaped(shapes.ball(radius, size, near=near), near, material)
 
     @classmethod
-    def _shaped(cls, mesh: HexMesh, material: dict[str, Any]) -> Solid:
+    def _shaped(cls, mesh: HexMesh, near: Near | None, material: dict[str, Any]) -> Solid:
         """Of a mesh that was made here."""
+        sets = material.get("sets")
+        for name in near or ():
+            if isinstance(sets, Mapping) and name in sets:
+                raise ModelError(f"sets: the name {shown(name)} was given, expected another one: near has it")
         if "mesh" in material:
             raise ModelError("mesh: it was given, expected it for Solid(mesh, ...) alone")
         made = Mesh(KINDS["hexahedron"], mesh.places, mesh.cells, source="mesh", faces=mesh.faces)

@@ -59,11 +59,12 @@ def faces_of(mesh: Mesh, sets: Mapping[str, Any]) -> Faces:
     Warns
     -----
     ModelWarning
-        Where nodes of the surface coincide and are not merged.
+        Where nodes of the surface coincide and are not merged; and for a group "surface" that is not the whole of it.
     """
     facets = outer_facets(mesh)
     _tell_unmerged(mesh, facets)
     found = Faces(facets, {SURFACE: np.arange(len(facets))}, {SURFACE: np.unique(facets)})
+    _tell_other_surface(mesh, found)
     given = user_sets(mesh, sets, {SURFACE})
     for name, corners in mesh.faces.items():
         if name in given or name == SURFACE:
@@ -105,6 +106,18 @@ def _rows_of(mesh: Mesh, facets: IntArray, name: str, corners: IntArray) -> IntA
             f"{told_place(place)}), expected faces that one element has"
         )
     return np.unique(rows[wanted])
+
+
+def _tell_other_surface(mesh: Mesh, found: Faces) -> None:
+    """Warn of a group of the mesh whose name the whole surface takes."""
+    nodes = mesh.faces.get(SURFACE, mesh.groups.get(SURFACE))
+    corners = found.facets[:, : mesh.kind.facet_corners] if SURFACE in mesh.faces else found.sets[SURFACE]
+    if nodes is not None and not np.array_equal(np.unique(nodes), np.unique(corners)):
+        warnings.warn(
+            f"{mesh.source}: its group {SURFACE!r} is left out, for the whole surface has that name: expected another",
+            ModelWarning,
+            stacklevel=_LEVEL,
+        )
 
 
 def _tell_unmerged(mesh: Mesh, facets: IntArray) -> None:

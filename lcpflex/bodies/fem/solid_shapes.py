@@ -28,6 +28,7 @@ import numpy.typing as npt
 
 from lcpflex.basics import libs
 from lcpflex.basics.arguments import array_of, positive, sequence_of, whole_number
+from lcpflex.bodies.fem.faces import SURFACE
 from lcpflex.bodies.fem.graded_lines import Pull, Spot, lines_between, refuse_many, spots_of
 from lcpflex.bodies.fem.hex_mesh import HexMesh
 from lcpflex.bodies.fem.round_map import RoundMap
@@ -146,7 +147,7 @@ def _block(low: FloatArray, high: FloatArray, size: Any, near: Any, elements: An
 def _meshed(shape: Shape, size: Any, near: Any) -> HexMesh:
     """The mesh, made again with closer lines where its elements came out too long."""
     largest = positive("size", size)
-    spots = [_on_surface(shape, spot) for spot in spots_of(near, largest, shape.names())]
+    spots = [_on_surface(shape, spot) for spot in spots_of(near, largest, {*shape.names(), SURFACE})]
     shape = shape.turned_to(spots[0].place) if spots else shape
     asked, finest = largest, [spot.finest for spot in spots]
     for attempt in range(ROUNDS):

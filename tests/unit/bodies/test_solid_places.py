@@ -63,3 +63,15 @@ def test_what_is_no_place_or_two(interface: Any, words: str) -> None:
     given = lf.Solid.box((4.0, 4.0, 4.0), elements=(2, 2, 2), **STEEL)
     with pytest.raises(lf.ModelError, match=words):
         given.reduce(0, interfaces=[interface])
+
+
+def test_names_that_mean_two_things() -> None:
+    near = {"surface": ((0.0, 0.0, 0.5), 0.1)}
+    with pytest.raises(lf.ModelError, match="near: the name 'surface' was given, expected another one"):
+        lf.Solid.box((1.0, 1.0, 1.0), 0.5, near=near, **STEEL)
+    with pytest.raises(lf.ModelError, match="sets: the name 'spot' was given, expected another one: near has it"):
+        lf.Solid.box((1.0, 1.0, 1.0), 0.5, near={"spot": near["surface"]}, sets={"spot": [0]}, **STEEL)
+    mesh = meshed_block("hexahedron", EDGES, (1, 1, 1))
+    for more in ({"groups": {"surface": np.arange(4)}}, {"faces": {"surface": mesh.cells[:, :4]}}):
+        with pytest.warns(lf.ModelWarning, match="its group 'surface' is left out, for the whole surface has"):
+            lf.Solid(Mesh(mesh.kind, mesh.places, mesh.cells, **more), **STEEL)
