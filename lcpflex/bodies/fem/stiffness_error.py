@@ -48,11 +48,12 @@ def warn_if_too_stiff(mesh: FiniteElements, shapes: FloatArray) -> None:
     if excess[worst] <= TOLERATED:
         return
     times = int(np.ceil(np.sqrt(excess[worst] / TOLERATED)))  # of linear elements; it falls with their size squared
+    quadratic = "quadratic elements" if mesh.dimension == 3 else "quadratic elements, lcpflex.meshes.quadratic(mesh)"
     warnings.warn(
         f"mesh: its stiffness in bending or change of volume is about {100.0 * excess[worst]:.0f} % too high (elastic "
         f"mode {worst + 1}, {np.sqrt(values[worst]) / (2.0 * np.pi):.4g} Hz), because its elements are too large or "
-        f"lock, expected at most {100.0 * TOLERATED:.0f} %: quadratic elements, lcpflex.meshes.quadratic(mesh), or "
-        f"such ones {times} times smaller",
+        f"lock, expected at most {100.0 * TOLERATED:.0f} %: {quadratic}, or such "
+        f"ones {times} times smaller",
         ModelWarning,
         stacklevel=outside(),
     )
@@ -67,7 +68,7 @@ def stiffness_error(mesh: FiniteElements) -> float:
         For a mesh whose elements are not known, or too large a finer one.
     """
     if mesh.finer is None:
-        raise ModelError("model: a mesh without elements was given, expected a Continuum or SolidOfRevolution")
+        raise ModelError("model: a mesh without elements was given, expected a Continuum, SolidOfRevolution or Solid")
     count = min(MODES, len(mesh.dofs) - mesh.rigid.shape[1])
     own, reference = (FreeMesh.of(one).modes(count)[0] for one in (mesh, mesh.finer()))
     return float((own / reference).max() - 1.0)

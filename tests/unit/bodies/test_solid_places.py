@@ -75,3 +75,8 @@ def test_names_that_mean_two_things() -> None:
     for more in ({"groups": {"surface": np.arange(4)}}, {"faces": {"surface": mesh.cells[:, :4]}}):
         with pytest.warns(lf.ModelWarning, match="its group 'surface' is left out, for the whole surface has"):
             lf.Solid(Mesh(mesh.kind, mesh.places, mesh.cells, **more), **STEEL)
+
+
+def test_remedies_are_those_of_space() -> None:
+    with pytest.warns(lf.ModelWarning, match="expected at most 10 %: quadratic elements, or such ones 2 times smaller"):
+        lf.Solid.bar(1.0, 0.1, 0.1, elements=(2, 1, 1), **STEEL).reduce(3)
