@@ -20,6 +20,8 @@ EXTENTS = (1e-12, 1e9)  # [m] of solids: whatever the unit was, beyond it number
 MERGED = 1e-6  # of the extent, to which files of single precision write places
 NEIGHBOURS = 50  # of a vertex, on the mean, that are merged: as many triangles may meet at one
 SHELLS = 1000  # so many are sorted out within a minute, whatever their triangles
+WINDINGS = 4 * 10**6  # triangles that are looked at from places of shells: half a second
+AMID, CORNERS = np.full((1, 3), 1.0 / 3.0), 0.05 + 0.85 * np.eye(3)  # places of a triangle, by its corners
 PAIRS, ROWS = 10**8, 1000  # of vertices and triangles: more are not compared, and not more vertices at once
 
 BoolArray: TypeAlias = np.ndarray[Any, np.dtype[np.bool_]]
@@ -169,29 +171,46 @@ def _twins(triangles: IntArray) -> IntArray:
 
 
 def _check_shells(source: str, corners: FloatArray, shells: IntArray) -> None:
-    """Solids must be outside of all others, cavities inside of one, by the winding number about a place of theirs."""
+    """Solids must be outside of all others, cavities inside of one, by winding numbers about places within them."""
     count = int(shells.max()) + 1
     if count > SHELLS:
         raise ModelError(f"{source}: its triangles make {count} separate shells, expected at most {SHELLS}")
     order = np.argsort(shells, kind="stable")
     pieces = np.split(corners[order], np.cumsum(np.bincount(shells))[:-1])
     low, high = (np.array([end(piece, axis=(0, 1)) for piece in pieces]) for end in (np.min, np.max))
+    slack = MERGED * float((high.max(axis=0) - low.min(axis=0)).max())
+    most = max(1, WINDINGS // (count * len(corners)))
     for k, piece in enumerate(pieces):
-        place = piece[0].mean(axis=0)
         size = float((high[k] - low[k]).max())
-        volume = float(np.linalg.det(piece - place).sum()) / 6.0
-        around = np.flatnonzero(((low <= place) & (place <= high)).all(axis=1))
-        turns = sum(_winding(pieces[other], place) for other in around if other != k)
+        volume = float(np.linalg.det(piece - piece[0].mean(axis=0)).sum()) / 6.0
+        places = _places_within(piece, math.copysign(min(slack, 1e-3 * size), volume))
+        near = [o for o in range(count) if o != k and (low[o] < high[k]).all() and (low[k] < high[o]).all()]
+        boxed = np.zeros(len(places), dtype=np.bool_)
+        for o in near:
+            boxed |= ((low[o] <= places) & (places <= high[o])).all(axis=1)
+        chosen = np.concatenate([places[~boxed][:1], places[boxed]])  # the others of those are outside, too
+        chosen = chosen[:: -(-len(chosen) // most)]
+        inside = np.array([sum(_winding(pieces[o], place) for o in near) > 0.5 for place in chosen])
         what = ""
         if abs(volume) <= FLAT * size**3:
             what = "encloses nothing, expected a solid or a cavity"
-        elif volume > 0.0 and turns > 0.5:
+        elif inside.any() and not inside.all():
+            what = "crosses another one, expected solids apart, whose volumes add, or one shell around both"
+        elif volume > 0.0 and inside.all():
             what = "lies within another one, expected it outside, or seen from inside if it is a cavity"
-        elif volume < 0.0 and turns < 0.5:
+        elif volume < 0.0 and not inside.any():
             what = "is turned inside out, expected triangles that are counter-clockwise seen from outside"
         if what:
-            x, y, z = place
+            x, y, z = piece[0].mean(axis=0)
             raise ModelError(f"{source}: a shell of {len(piece)} triangles at ({x:.4g}, {y:.4g}, {z:.4g}) {what}")
+
+
+def _places_within(corners: FloatArray, depth: float) -> FloatArray:
+    """(4 T, 3) places amid triangles (T, 3, 3) and near their corners, moved against their normals by a depth."""
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    on = np.einsum("pv,tvi->tpi", np.vstack([AMID, CORNERS]), corners)
+    return np.asarray((on - depth * normal[:, None]).reshape(-1, 3))
 
 
 def _winding(corners: FloatArray, place: FloatArray) -> float:

@@ -10,6 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
+from lcpflex.bodies.spatial.hull import block
 from lcpflex.bodies.spatial.surface import SpatialKind, surface_of
 from lcpflex.errors import ModelError, ModelWarning
 from tests.stl import BOX, as_binary, as_text, of_box, of_sphere, of_tube
@@ -307,3 +308,29 @@ def test_boxes_from_files_come_to_rest_as_a_cuboid_does(stl):
         result = dropped(lf.Polyhedron(stl(triangles), density=1000.0))
         assert result.q[-1] == pytest.approx(cuboid.q[-1], abs=1e-9)
         assert np.abs(result.u[-1]).max() < 1e-9
+
+
+@pytest.mark.parametrize("first", range(12))
+@pytest.mark.parametrize(
+    ("low", "high", "sense", "expected"),
+    [
+        ((1.0, 0.2, 0.2), (2.0, 0.8, 0.8), 1, 1.36),
+        ((0.5, 0.2, 0.2), (2.0, 0.8, 0.8), 1, "crosses another one|lies within another one"),
+        ((0.9, 0.9, 0.9), (2.0, 2.0, 2.0), 1, "crosses another one"),
+        ((0.2, 0.2, 0.0), (0.8, 0.8, 0.8), -1, 0.712),
+        ((0.2, 0.2, -0.2), (0.8, 0.8, 0.8), -1, "crosses another one"),
+    ],
+)
+def test_two_boxes_that_touch_or_cross(first, low, high, sense, expected):
+    """Whichever triangle comes first: volumes of solids that touch add, and of those that cross nothing is told."""
+    corners, sides = block()
+    vertices = [
+        (corners + 0.5) * np.subtract(end, start) + start for start, end in ((np.zeros(3), np.ones(3)), (low, high))
+    ]
+    triangles = [np.roll(sides, first, axis=0), np.roll(sides[:, ::sense], first, axis=0) + 8]
+    surface = np.vstack(vertices), np.vstack(triangles)
+    if isinstance(expected, float):
+        assert lf.Polyhedron(surface, density=1.0).mass == pytest.approx(expected, rel=1e-12)
+        return
+    with pytest.raises(lf.ModelError, match=expected):
+        lf.Polyhedron(surface, density=1.0)
