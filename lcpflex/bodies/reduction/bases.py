@@ -115,6 +115,7 @@ class HeldMesh:
 NOISE = 1e-10  # part of a static response beyond the kept modes that is rounding
 GONE = 1e-9  # length of a column without its rigid motion, relative to before, below which nothing elastic is left
 LOOSE = 1e-9  # of what the rows that are held resist most: a rigid motion that they leave
+NEARLY = 1e-4  # of it: a rigid motion too weakly held for a factor, as by the normals of a flat face of rounded places
 SHARE = 6  # columns in memory at a time, for each of the basis
 
 
@@ -223,7 +224,7 @@ def constraint_columns(
     f = len(rank)
     moving = held if free < 0 else held[:free]
     inner = np.setdiff1d(np.arange(f), held)
-    left = left_loose(mesh.rigid, held) if loose else np.zeros((f, 0))
+    left, by_rounding = left_loose(mesh.rigid, held) if loose else (np.zeros((f, 0)), True)
     n = count_of_modes(modes, len(inner) - left.shape[1], "modes with its boundary held; None takes all")
     columns = len(moving) + n
     check_memory("boundary, modes", f, SHARE * columns)
@@ -231,7 +232,7 @@ def constraint_columns(
     basis[moving, np.arange(len(moving))] = 1.0
     check_mass(mesh.mass)
     if left.shape[1]:
-        return _loose_columns(mesh, inner, moving, basis, left)
+        return _loose_columns(mesh, inner, moving, basis, left, by_rounding=by_rounding)
     if len(inner):
         stiffness = mesh.stiffness[inner][:, inner].tocsc()
         mass = mesh.mass[inner][:, inner].tocsc()
@@ -244,25 +245,46 @@ def constraint_columns(
     return basis
 
 
-def left_loose(rigid: FloatArray, held: IntArray) -> FloatArray:
-    """(f, z) rigid motions that do not move the rows that are held."""
+def left_loose(rigid: FloatArray, held: IntArray) -> tuple[FloatArray, bool]:
+    """(f, z) rigid motions that hardly move the rows that are held, and whether they do so by rounding alone."""
     scaled = rigid / np.abs(rigid).max(axis=0)
     _, size, ways = np.linalg.svd(scaled[held], full_matrices=True)
-    found = int((size > LOOSE * size.max(initial=0.0)).sum())
-    return np.asarray(scaled @ ways[found:].T)
+    largest = size.max(initial=0.0)
+    found = int((size > NEARLY * largest).sum())
+    return np.asarray(scaled @ ways[found:].T), found == int((size > LOOSE * largest).sum())
 
 
-def _loose_columns(mesh: Elastic, inner: IntArray, moving: IntArray, basis: FloatArray, left: FloatArray) -> FloatArray:
+def _loose_columns(
+    mesh: Elastic, inner: IntArray, moving: IntArray, basis: FloatArray, left: FloatArray, *, by_rounding: bool
+) -> FloatArray:
     """The columns of a mesh that is held in part: the rigid motions ``left`` (f, z) stand before the modes."""
     stiffness = mesh.stiffness[inner][:, inner].tocsc()
     free = FreeMesh(mesh.mass[inner][:, inner].tocsc(), stiffness, left[inner], mesh.rank[inner])
-    coupling = mesh.stiffness[inner][:, moving]
     k = len(moving)
+    basis[inner, k:] = free.modes(basis.shape[1] - k)[1]
+    if not by_rounding:
+        return np.hstack([_balanced_responses(mesh, moving, left.shape[1]), mesh.rigid, basis[:, k:]])
+    coupling = mesh.stiffness[inner][:, moving]
     for first in range(0, k, AT_ONCE):
         part = slice(first, min(first + AT_ONCE, k))
         basis[inner, part] = -free.flexibility(coupling[:, part].toarray())
-    basis[inner, k:] = free.modes(basis.shape[1] - k)[1]
     return np.hstack([basis[:, :k], left, basis[:, k:]])
+
+
+def _balanced_responses(mesh: Elastic, rows: IntArray, loose: int) -> FloatArray:
+    """Responses of the free mesh to the forces at the rows (k,) that have no resultant; with the rigid motions they
+    span what the constraint modes do, however weakly the rows hold ``loose`` of these.
+    """
+    scaled = mesh.rigid / np.abs(mesh.rigid).max(axis=0)
+    ways = np.linalg.svd(scaled[rows], full_matrices=True)[0][:, scaled.shape[1] - loose :]
+    whole = FreeMesh.of(mesh)
+    out = np.zeros((len(scaled), ways.shape[1]))
+    for first in range(0, ways.shape[1], AT_ONCE):
+        some = slice(first, min(first + AT_ONCE, ways.shape[1]))
+        loads = np.zeros((len(scaled), ways[:, some].shape[1]))
+        loads[rows] = ways[:, some]
+        out[:, some] = whole.flexibility(loads)
+    return out
 
 
 def held_factor(mass: Any, stiffness: Any, rank: IntArray, words: tuple[str, str]) -> Factor:

@@ -91,7 +91,7 @@ def normal_boundary_basis(mesh: FiniteElements, nodes: IntArray, modes: int | No
     words = ("boundary: with the normal displacements of its nodes held", enough_nodes(mesh))
     columns = turn @ constraint_columns(turned, 3 * nodes, modes, words, loose=True)
     frame = orthonormal_frame(mesh.mass, mesh.rigid)
-    most = len(mesh.dofs) - len(nodes) - left_loose(turned.rigid, 3 * nodes).shape[1]
+    most = len(mesh.dofs) - len(nodes) - left_loose(turned.rigid, 3 * nodes)[0].shape[1]
     return own_basis(mesh.mass, mesh.stiffness, frame, columns, holds_rigid=True), most
 
 

@@ -6,10 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
 from lcpflex.bodies.fem.mesh import KINDS, Mesh
 from lcpflex.bodies.fem.node_weights import node_weights
+from lcpflex.bodies.reduction.kept_factor import free_mesh
+from lcpflex.bodies.reduction.normal_rows import normal_loads
 from tests.solid_meshes import EDGES, QUIET, STEEL, meshed_block, solid
 
 FACES = {"top": lambda x, y, z: abs(z - 0.1) < 1e-9, "part": lambda x, y, z: (abs(z - 0.1) < 1e-9) & (x < 0.101)}
@@ -80,3 +83,29 @@ def test_names_that_mean_two_things() -> None:
 def test_remedies_are_those_of_space() -> None:
     with pytest.warns(lf.ModelWarning, match="expected at most 10 %: quadratic elements, or such ones 2 times smaller"):
         lf.Solid.bar(1.0, 0.1, 0.1, elements=(2, 1, 1), **STEEL).reduce(3)
+
+
+@QUIET
+@pytest.mark.parametrize("noise", [0.0, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5])
+def test_normals_of_flat_faces_of_rounded_places(noise: float) -> None:
+    """Files round places: what nearly leaves a flat face three rigid motions does as one that leaves them does.
+
+    Frequencies are those without noise, and forces along the normals without a resultant deform it as the mesh.
+    """
+    mesh = meshed_block("hexahedron", EDGES, (3, 2, 2))
+    turn = Rotation.from_rotvec((0.3, 0.5, 0.7)).as_matrix()
+    off = 0.3 * noise * np.random.default_rng(1).uniform(-1.0, 1.0, mesh.places.shape)
+    top = np.flatnonzero(np.abs(mesh.places[:, 2] - 0.1) < 1e-9)
+    given, exact = (
+        lf.Solid(Mesh(mesh.kind, mesh.places @ turn.T + more, mesh.cells), **STEEL, sets={"top": top})
+        for more in (off, 0.0)
+    )
+    body, clean = (one.reduce(4, boundary="top", rows="normal") for one in (given, exact))
+    assert body.modes == 4 + len(top) - 3
+    assert body.frequencies() == pytest.approx(clean.frequencies(), rel=10.0 * noise + 1e-9)
+    whole = given.finite_elements()
+    loads = normal_loads(whole, "boundary", top)
+    loads = loads @ np.linalg.svd(whole.rigid.T @ loads)[2][6:].T
+    shapes = body.mesh_modes.shapes  # type: ignore[union-attr]
+    own, static = shapes.T @ loads, free_mesh(whole).flexibility(loads)
+    assert own.T @ (own / body.stiffness[:, None]) == pytest.approx(loads.T @ static, rel=1e-9, abs=1e-20)
