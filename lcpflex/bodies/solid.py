@@ -140,6 +140,9 @@ class Solid:
     def cylinder(cls, radius: float, length: float, size: float, *, near: Near | None = None, **material: Any) -> Solid:
         """A cylinder along z about the origin, of hexahedra of eight nodes; faces "side", "bottom", "top".
 
+        Its nodes lie on the cylinder: volume and mass are below those of it, by 2.6 % with a size of half the radius,
+        .6 % with a fifth of it.
+
         radius, length : [m]. size, near, material : as for :meth:`box`.
         """
         return cls._shaped(shapes.cylinder(radius, length, size, near=near), near, material)
@@ -150,6 +153,8 @@ class Solid:
     ) -> Solid:
         """A hollow cylinder along z about the origin; faces "inner", "outer", "bottom", "top".
 
+        Volume and mass are below those of the tube by the same part as of a cylinder, of as many elements around it.
+
         inner, outer : radii, 0 < inner < outer [m]. length : [m]. size, near, material : as for :meth:`box`.
         """
         return cls._shaped(shapes.tube(inner, outer, length, size, near=near), near, material)
@@ -157,6 +162,9 @@ class Solid:
     @classmethod
     def ball(cls, radius: float, size: float, *, near: Near | None = None, **material: Any) -> Solid:
         """A ball about the origin, of hexahedra of eight nodes.
+
+        Its nodes lie on the ball: volume and mass are below those of it, by 6.5 % with a size of half the radius, 1.7 %
+        with a fifth of it.
 
         radius : [m]. size, near, material : as for :meth:`box`.
         """

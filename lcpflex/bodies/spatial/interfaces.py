@@ -29,6 +29,8 @@ def interface_columns(find: Find, f: int, interfaces: Sequence[Any]) -> FloatArr
             columns.append(load_columns([(find(name, one), not isinstance(one, int | np.integer))], f))
             continue
         operator = find(name, one.place)
+        if not (one.forces or operator.turns):
+            raise ModelError(f"{name}: forces: False was given at nodes on one line, which turn with no moment")
         if one.forces:
             forces = load_columns([(operator, False)], f)
             columns.append(forces if one.along is None else forces @ _along(name, one))

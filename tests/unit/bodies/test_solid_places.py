@@ -59,11 +59,14 @@ def test_loads_that_inertia_balances_everywhere_add_no_modes() -> None:
         ([0, [1, 2], 3], r"interfaces\[0\]: .* expected the name of a node set, several, or node numbers; or a place"),
         ((0, 0, 0), r"interfaces\[0\]: node 0 was given 3 times, expected once; or a place \(x, y, z\)"),
         ((0, 1, 2), r"interfaces\[0\]: \(0, 1, 2\) was given, which are nodes and a place of the mesh, too"),
+        (lf.Interface("edge", forces=False), r"interfaces\[0\]: forces: False was given at nodes on one line"),
         ((0.0, 1.0, float("nan")), r"interfaces\[0\]: x, y, z: an array with nan"),
     ],
 )  # fmt: skip
 def test_what_is_no_place_or_two(interface: Any, words: str) -> None:
-    given = lf.Solid.box((4.0, 4.0, 4.0), elements=(2, 2, 2), **STEEL)
+    given = lf.Solid.box(
+        (4.0, 4.0, 4.0), elements=(2, 2, 2), sets={"edge": lambda x, y, z: (x < 0.0) & (z < 0.0)}, **STEEL
+    )
     with pytest.raises(lf.ModelError, match=words):
         given.reduce(0, interfaces=[interface])
 
