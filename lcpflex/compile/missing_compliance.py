@@ -70,7 +70,8 @@ def _acting(one: Any, body: Any, parts: Any, contacts: Mapping[str, DeclaredCont
     if not isinstance(body, Body):
         from lcpflex.compile.spatial.interfaces import spatial_acting_on  # which planar scenes do without
 
-        return spatial_acting_on(one.body, body, parts.joints, parts.loads, contacts, None, parts.rotation)
+        every = spatial_acting_on(one.body, body, parts.joints, parts.loads, contacts, None, parts.rotation)
+        return [acting for acting in every if not acting.surface or getattr(body.statics, "of_surfaces", False)]
     from lcpflex.bodies.reduction.line_interfaces import LineStatics  # which rigid scenes do without
 
     def snap(x: float, y: float) -> tuple[tuple[float, float], bool]:

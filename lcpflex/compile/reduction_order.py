@@ -19,6 +19,7 @@ from lcpflex.bodies.fem.nodal_material import nearest_node
 from lcpflex.bodies.reduction.component_modes import undeformed
 from lcpflex.bodies.reduction.damping import Damping, check_damping
 from lcpflex.bodies.reduction.interface import Interface
+from lcpflex.bodies.reduction.mesh_interfaces import MeshStatics
 from lcpflex.bodies.reduction.stiffening import Stiffening, check_stiffening
 from lcpflex.compile.missing_compliance import deficits
 from lcpflex.compile.surface_interfaces import Acting, acting_on
@@ -60,9 +61,12 @@ class ReductionOrder:
         """The body with residual modes for the interfaces; made once."""
         if interfaces not in self.made:
             try:
-                self.made[interfaces] = self.model.reduce(self.modes, interfaces=interfaces, **self.options)
+                body = self.model.reduce(self.modes, interfaces=interfaces, **self.options)
             except ModelError as error:
                 raise ModelError(f"body {self.name!r}: {error}") from None
+            if isinstance(body.statics, MeshStatics):
+                body.statics.of_surfaces = True
+            self.made[interfaces] = body
         return self.made[interfaces]
 
     def interfaces(

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import skfem
 from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
@@ -18,6 +17,7 @@ from lcpflex.bodies.fem.mesh import KINDS, Mesh
 from lcpflex.bodies.fem.nodal_stress import nodal_gradients, nodal_stress
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
+from tests import libs
 from tests.analytic.test_stresses import plate_with_hole
 
 E, NU, DENSITY = 2e11, 0.3, 7800.0
@@ -28,15 +28,15 @@ pytestmark = pytest.mark.filterwarnings("ignore::lcpflex.errors.ModelWarning")  
 
 def block(kind: str, n: int, skew: float = 0.15) -> ElasticSolid:
     """A cube of n x n x n hexahedra, or six times as many tetrahedra, whose inner corners are moved at random."""
-    cube = skfem.MeshHex.init_tensor(*[np.linspace(0.0, 1.0, n + 1)] * 3)
+    cube = libs.skfem.MeshHex.init_tensor(*[np.linspace(0.0, 1.0, n + 1)] * 3)
     places = cube.p.copy()
     inside = ((places > 1e-9) & (places < 1.0 - 1e-9)).all(axis=0)
     random = np.random.default_rng(1).uniform(-1.0, 1.0, size=(3, inside.sum()))
     places[:, inside] += skew / n * random
-    mesh: Any = skfem.MeshHex(places, cube.t)
+    mesh: Any = libs.skfem.MeshHex(places, cube.t)
     mesh = mesh.to_meshtet() if kind.startswith("tetra") else mesh
     if kind in ("tetra10", "hexahedron20", "hexahedron27"):
-        mesh = (skfem.MeshTet2 if kind == "tetra10" else skfem.MeshHex2).from_mesh(mesh)
+        mesh = (libs.skfem.MeshTet2 if kind == "tetra10" else libs.skfem.MeshHex2).from_mesh(mesh)
     solid = lf.Solid(mesh, **STEEL).finite_elements().solid
     assert solid is not None
     if kind != "hexahedron20":

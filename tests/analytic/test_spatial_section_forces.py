@@ -138,6 +138,6 @@ def test_what_has_no_sections_is_refused() -> None:
             result.section("beam", bad)
     with pytest.raises(lf.ModelError, match="'ball' was given, expected a SpatialBeam"):
         result.section("ball")
-    with pytest.raises(lf.ModelError, match="stress is planar so far"):
+    with pytest.raises(lf.ModelError, match="stresses of beams are planar so far"):
         result.stress("beam")
     assert np.abs(result.section("beam", X).M_y).max() < 1e-12

@@ -69,7 +69,12 @@ class MeshStatics:
     """Static compliance of a whole mesh; its stiffness is factorised when that is first asked for.
 
     loads : place -> (f, 3) or (f, 6) unit forces and moments there; None: in the plane, at a place (x, y)
+    of_surfaces : whether scenes ask for that of single nodes of a surface that touches. In space they ask it of bodies
+        that they have reduced themselves alone: what a node gives way grows as the mesh gets finer (Boussinesq), and of
+        a face that rests on many nodes it tells nothing
     """
+
+    of_surfaces = False
 
     def __init__(self, mesh: Elastic, loads: Callable[..., FloatArray] | None = None) -> None:
         self._mesh = mesh

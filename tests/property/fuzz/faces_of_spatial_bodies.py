@@ -6,10 +6,10 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import skfem
 from scipy.sparse import save_npz
 
 import lcpflex as lf
+from tests import libs
 from tests.property.fuzz.face import Face
 from tests.solids import block
 
@@ -58,7 +58,7 @@ def _files() -> dict[str, Any]:
 
 def _meshed() -> dict[str, Any]:
     """Two hexahedra."""
-    mesh = skfem.MeshHex.init_tensor(*(np.array(line) for line in ([0.0, 0.15, 0.3], [0.0, 0.2], [0.0, 0.1])))
+    mesh = libs.skfem.MeshHex.init_tensor(*(np.array(line) for line in ([0.0, 0.15, 0.3], [0.0, 0.2], [0.0, 0.1])))
     return {"mesh": mesh, **MATERIAL}
 
 

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-import skfem
 
 import lcpflex as lf
 from lcpflex.bodies.fem.assembly import ElasticSolid, lame_constants, stiffness_matrix
 from lcpflex.bodies.reduction.eigenmodes import FreeMesh
 from lcpflex.bodies.spatial.checks import skew
 from lcpflex.jit.kernel import FloatArray
+from tests import libs
 from tests.solid_meshes import EDGES, QUIET, SOLIDS, STEEL, meshed_block, solid
 from tests.spatial_inertia import velocity_columns
 
@@ -136,8 +136,8 @@ def test_inertia_of_a_bent_block_is_that_of_finer_quadrature(kind: str) -> None:
     """Curved elements included: sums over 8 points along each edge of det J and x x^T det J."""
     given = solid(kind, bend=bent)
     mesh = given.finite_elements().solid.mesh  # type: ignore[union-attr]
-    element = getattr(skfem, mesh.kind.element)()
-    X, weight = skfem.quadrature.get_quadrature(element, 8 if mesh.kind.simplex else 12)
+    element = getattr(libs.skfem, mesh.kind.element)()
+    X, weight = libs.skfem.quadrature.get_quadrature(element, 8 if mesh.kind.simplex else 12)
     from lcpflex.bodies.fem.assembly import shape_functions
 
     N, dN = shape_functions(mesh.kind, X)
@@ -222,7 +222,7 @@ def test_momenta_of_a_solid_that_flies_and_turns_are_kept(kind: str) -> None:
 def test_points_between_nodes_and_weighted_sets() -> None:
     """A set that is finely meshed at one end has its mean amid the face, and places between nodes follow a field."""
     lines = (np.linspace(0.0, 0.3, 4), np.array([0.0, 0.002, 0.01, 0.05, 0.2]), np.linspace(0.0, 0.1, 3))
-    body = lf.Solid(skfem.MeshHex.init_tensor(*lines), **STEEL, sets={
+    body = lf.Solid(libs.skfem.MeshHex.init_tensor(*lines), **STEEL, sets={
         "end": lambda x, y, z: x < 1e-9,
         "edge": lambda x, y, z: (x < 1e-9) & (z < 1e-9),
         "slab": lambda x, y, z: x < 0.11,
