@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -65,12 +65,17 @@ def faces_of(mesh: Mesh, sets: Mapping[str, Any]) -> Faces:
     _tell_unmerged(mesh, facets)
     found = Faces(facets, {SURFACE: np.arange(len(facets))}, {SURFACE: np.unique(facets)})
     _tell_other_surface(mesh, found)
-    given = user_sets(mesh, sets, {SURFACE})
-    for name, corners in mesh.faces.items():
-        if name in given or name == SURFACE:
-            continue
-        rows = _rows_of(mesh, facets, name, corners)
-        found.named[name], found.sets[name] = rows, np.unique(facets[rows])
+    named = dict(sets) if isinstance(sets, Mapping) else {}
+    asked = {value for value in named.values() if isinstance(value, str)}
+    rows = {
+        name: _rows_of(mesh, facets, name, corners)
+        for name, corners in mesh.faces.items()
+        if name != SURFACE and (name in asked or name not in named)
+    }
+    nodes_of = {name: np.unique(facets[own]) for name, own in rows.items()}
+    given = user_sets(replace(mesh, groups={**nodes_of, **mesh.groups}), sets, {SURFACE})
+    for name in [name for name in rows if name not in given]:
+        found.named[name], found.sets[name] = rows[name], nodes_of[name]
     for name, nodes in {**mesh.groups, **given}.items():
         if name == SURFACE or name in found.sets:
             continue

@@ -71,6 +71,15 @@ def test_what_is_no_place_or_two(interface: Any, words: str) -> None:
         given.reduce(0, interfaces=[interface])
 
 
+def test_sets_of_the_faces_of_a_mesh() -> None:
+    """A face of the mesh has nodes, and may have another name besides its own."""
+    given = lf.Solid.box((1.0, 1.0, 1.0), elements=(2, 2, 2), sets={"pad": "bottom"}, **STEEL).finite_elements()
+    assert np.array_equal(given.sets["pad"], given.sets["bottom"])
+    assert np.array_equal(given.faces["pad"], given.faces["bottom"])
+    with pytest.raises(lf.ModelError, match=r"'base' was given, expected a group of the mesh .*'bottom'"):
+        lf.Solid.box((1.0, 1.0, 1.0), elements=(2, 2, 2), sets={"pad": "base"}, **STEEL)
+
+
 def test_names_that_mean_two_things() -> None:
     near = {"surface": ((0.0, 0.0, 0.5), 0.1)}
     with pytest.raises(lf.ModelError, match="near: the name 'surface' was given, expected another one"):
