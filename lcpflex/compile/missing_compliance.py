@@ -156,6 +156,8 @@ def _said(name: str, body: Body | SpatialBody, statics: Statics, short: Sequence
     )
     if body.residual_modes and worst.acting.interface.contact:
         remedy = "more contact_nodes= of scene.add, a smaller surface or more free modes would do"
+    if worst.acting.surface and not isinstance(body, Body):
+        remedy = "its reduce(contact=...) with the nodes that touch has it, contact_nodes= of scene.add some of it"
     return (
         f"body {name!r}: its {kept} give way {100.0 * worst.share:.3g} % less than its mesh to {_way(worst)} of "
         f"{worst.acting.name} at ({at}): {remedy}" + (f"; so would {enough} free modes" if enough else "")

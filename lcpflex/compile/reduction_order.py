@@ -107,7 +107,8 @@ class ReductionOrder:
     def _needed(self, acts: Callable[[int | None], list[Acting]]) -> list[Acting]:
         """With the fewest nodes of surfaces with which the body gives way as its mesh does, to a hundredth.
 
-        Along a line and across it are needed apart. Where no number of nodes does, CONTACT_NODES, and the scene warns.
+        Along a line and across it are needed apart. Where no number of nodes does, CONTACT_NODES in the plane, and none
+        in space, where a few of the nodes of a face would make it lean; the scene warns.
         """
         looked_at = [one for one in acts(None) if one.surface]
 
@@ -121,8 +122,9 @@ class ReductionOrder:
         if not kinds:
             return acting
         # in space the nodes of more are also those of fewer: where the most do not do, no other number does
-        hopeless = len(looked_at[0].at) == 3 and tried(MORE_NODES[-1], kinds)[1]
-        for count in () if hopeless else MORE_NODES:
+        if len(looked_at[0].at) == 3 and tried(MORE_NODES[-1], kinds)[1]:
+            return acts(0)
+        for count in MORE_NODES:
             acting, left = tried(count, kinds)
             if not left:
                 return acting

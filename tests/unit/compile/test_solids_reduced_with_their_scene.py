@@ -260,9 +260,9 @@ def test_surfaces_take_few_nodes_and_say_so() -> None:
     assert flexible(made(bricks(), struck_on_its_surface, modes=4, contact_nodes=0))[0].residual_modes == 0
     without = made(bricks(), struck_on_its_surface, modes=4)
     (said,) = without.compiled().warnings
-    assert "body 'b': its 4 free and" in said
-    assert "more contact_nodes= of scene.add" in said
-    assert len({interface.place for interface in flexible(without)[1]}) == 3
+    assert "body 'b': its 4 modes give way" in said
+    assert "reduce(contact=...) with the nodes that touch" in said
+    assert not flexible(without)[1]  # a few nodes would make a face lean that lands flat
 
 
 def test_smooth_surfaces_are_pushed_along_their_normals() -> None:
