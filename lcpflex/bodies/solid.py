@@ -15,10 +15,9 @@ from lcpflex.bodies.fem.assembly import ElasticSolid, lame_constants
 from lcpflex.bodies.fem.checked_mesh import spatial_mesh
 from lcpflex.bodies.fem.elastic_mesh import finite_elements_of
 from lcpflex.bodies.fem.finite_elements import FiniteElements
-from lcpflex.bodies.fem.hex_mesh import HexMesh
 from lcpflex.bodies.fem.length_unit import check_size, metres
 from lcpflex.bodies.fem.material import check_material
-from lcpflex.bodies.fem.mesh import KINDS, Mesh
+from lcpflex.bodies.fem.mesh import Mesh
 from lcpflex.bodies.fem.stiffness_error import stiffness_error
 from lcpflex.bodies.spatial.body import SpatialBody
 from lcpflex.bodies.spatial.solid_reduction import reduce_solid
@@ -171,7 +170,7 @@ class Solid:
         return cls._shaped(shapes.ball(radius, size, near=near), near, material)
 
     @classmethod
-    def _shaped(cls, mesh: HexMesh, near: Near | None, material: dict[str, Any]) -> Solid:
+    def _shaped(cls, mesh: Mesh, near: Near | None, material: dict[str, Any]) -> Solid:
         """Of a mesh that was made here."""
         sets = material.get("sets")
         for name in near or ():
@@ -179,8 +178,7 @@ class Solid:
                 raise ModelError(f"sets: the name {shown(name)} was given, expected another one: near has it")
         if "mesh" in material:
             raise ModelError("mesh: it was given, expected it for Solid(mesh, ...) alone")
-        made = Mesh(KINDS["hexahedron"], mesh.places, mesh.cells, source="mesh", faces=mesh.faces)
-        return cls(made, **material)
+        return cls(mesh, **material)
 
     def finite_elements(self) -> FiniteElements:
         """What every reduction starts from."""

@@ -4,43 +4,18 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from lcpflex.bodies.fem.mesh import KINDS
+from lcpflex.bodies.fem.mesh import KINDS, Mesh
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["BoolArray", "HexMesh", "boundary_quads", "grid_cells", "layered", "with_faces"]
+__all__ = ["BoolArray", "boundary_quads", "grid_cells", "layered", "with_faces"]
 
 BoolArray: TypeAlias = np.ndarray[Any, np.dtype[np.bool_]]
 
-FACES = np.array(KINDS["hexahedron"].facets)  # of an element: corners, counter-clockwise seen from outside
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class HexMesh:
-    """N nodes and m hexahedra of positive volume.
-
-    Attributes
-    ----------
-    places : (N, 3) [m]
-    cells : (m, 8) nodes of the elements, in the order of VTK
-    faces : name -> (k, 4) nodes of quadrilaterals of the boundary, counter-clockwise seen from outside
-    """
-
-    places: FloatArray
-    cells: IntArray
-    faces: Mapping[str, IntArray] = field(default_factory=dict)
-
-    def longest_edges(self) -> FloatArray:
-        """(m,) the longest edge of each element [m]."""
-        longest = np.zeros(len(self.cells))
-        for a, b in KINDS["hexahedron"].pairs:  # one after the other: all at once would take twelve times the memory
-            arms = self.places[self.cells[:, b]] - self.places[self.cells[:, a]]
-            np.maximum(longest, np.linalg.norm(arms, axis=1), out=longest)
-        return longest
+HEXAHEDRON = KINDS["hexahedron"]
 
 
 def grid_cells(numbers: IntArray) -> IntArray:
@@ -53,7 +28,7 @@ def grid_cells(numbers: IntArray) -> IntArray:
 
 def boundary_quads(cells: IntArray) -> IntArray:
     """(k, 4) nodes of the faces of one element alone, counter-clockwise seen from outside."""
-    quads = cells[:, FACES].reshape(-1, 4)
+    quads = cells[:, np.array(HEXAHEDRON.facets)].reshape(-1, 4)
     first = quads.argmin(axis=1)
     rows = np.arange(len(quads))
     key = quads[rows, first] * (int(cells.max()) + 1) + quads[rows, (first + 2) % 4]  # of a diagonal: one quad has it
@@ -73,7 +48,8 @@ def layered(cells: IntArray, quads: IntArray, layers: int) -> tuple[IntArray, In
     return np.concatenate([cells, *shell]), below
 
 
-def with_faces(places: FloatArray, cells: IntArray, on: Mapping[str, BoolArray]) -> HexMesh:
+def with_faces(places: FloatArray, cells: IntArray, on: Mapping[str, BoolArray]) -> Mesh:
     """The mesh with its boundary in faces, each of the quadrilaterals all nodes of which are marked, (N,) bool."""
     quads = boundary_quads(cells)
-    return HexMesh(places, cells, {name: quads[marked[quads].all(axis=1)] for name, marked in on.items()})
+    faces = {name: quads[marked[quads].all(axis=1)] for name, marked in on.items()}
+    return Mesh(HEXAHEDRON, places, cells, faces=faces)

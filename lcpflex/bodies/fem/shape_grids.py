@@ -9,7 +9,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from lcpflex.bodies.fem.hex_mesh import BoolArray, HexMesh, boundary_quads, grid_cells, layered, with_faces
+from lcpflex.bodies.fem.hex_mesh import BoolArray, boundary_quads, grid_cells, layered, with_faces
+from lcpflex.bodies.fem.mesh import Mesh
 from lcpflex.bodies.fem.round_map import CORE, RoundMap
 from lcpflex.jit.kernel import FloatArray, IntArray
 
@@ -48,7 +49,7 @@ class Shape(Protocol):
     def count(self, elements: Sequence[int]) -> int:
         """The number of elements, by those of each direction."""
 
-    def mesh(self, lines: Sequence[FloatArray]) -> HexMesh:
+    def mesh(self, lines: Sequence[FloatArray]) -> Mesh:
         """The mesh on lines of each direction."""
 
 
@@ -87,7 +88,7 @@ class Block:
         """nx ny nz."""
         return math.prod(elements)
 
-    def mesh(self, lines: Sequence[FloatArray]) -> HexMesh:
+    def mesh(self, lines: Sequence[FloatArray]) -> Mesh:
         """A grid."""
         places, numbers = _grid(lines)
         on: dict[str, BoolArray] = {}
@@ -139,7 +140,7 @@ class Tube:
         """Around, through, along."""
         return math.prod(elements)
 
-    def mesh(self, lines: Sequence[FloatArray]) -> HexMesh:
+    def mesh(self, lines: Sequence[FloatArray]) -> Mesh:
         """A grid whose last angle is its first."""
         angle, radius, z = lines
         polar, numbers = _grid([angle[:-1], radius, z])
@@ -208,7 +209,7 @@ class Round:
         around = 2 * (nx + ny) * nz + (2 * nx * ny if self.map.d == 3 else 0)
         return nx * ny * nz + layers * around
 
-    def mesh(self, lines: Sequence[FloatArray]) -> HexMesh:
+    def mesh(self, lines: Sequence[FloatArray]) -> Mesh:
         """A grid for the core, and its sides drawn outwards."""
         *core, through = lines
         q, numbers = _grid(core)

@@ -30,7 +30,7 @@ from lcpflex.basics import libs
 from lcpflex.basics.arguments import array_of, positive, sequence_of, whole_number
 from lcpflex.bodies.fem.faces import SURFACE
 from lcpflex.bodies.fem.graded_lines import Pull, Spot, lines_between, refuse_many, spots_of
-from lcpflex.bodies.fem.hex_mesh import HexMesh
+from lcpflex.bodies.fem.mesh import Mesh
 from lcpflex.bodies.fem.round_map import RoundMap
 from lcpflex.bodies.fem.shape_grids import Block, Round, Shape, Tube
 from lcpflex.errors import ModelError, in_range, shown
@@ -45,7 +45,7 @@ EXCESS = 1e-9  # of a length, which rounding may add
 
 def box(
     sizes: npt.ArrayLike, size: float | None = None, *, near: Any = None, elements: Sequence[int] | None = None
-) -> HexMesh:
+) -> Mesh:
     """A rectangular block about the origin, its edges along the axes.
 
     Faces "left", "right" (x), "front", "back" (y), "bottom", "top" (z).
@@ -69,7 +69,7 @@ def bar(
     *,
     near: Any = None,
     elements: Sequence[int] | None = None,
-) -> HexMesh:
+) -> Mesh:
     """A slender block along the x axis: 0 <= x <= length, |y| <= height / 2, |z| <= width / 2.
 
     Faces and other parameters are those of :func:`box`.
@@ -79,7 +79,7 @@ def bar(
     return _block(low, high, size, near, elements)
 
 
-def cylinder(radius: float, length: float, size: float, *, near: Any = None) -> HexMesh:
+def cylinder(radius: float, length: float, size: float, *, near: Any = None) -> Mesh:
     """A cylinder along z about the origin: a core of bent squares, and layers around it.
 
     Faces "side", "bottom" (z = -length / 2), "top".
@@ -93,7 +93,7 @@ def cylinder(radius: float, length: float, size: float, *, near: Any = None) -> 
     return _meshed(Round(RoundMap(2, positive("radius", radius)), positive("length", length), np.eye(2)), size, near)
 
 
-def tube(inner: float, outer: float, length: float, size: float, *, near: Any = None) -> HexMesh:
+def tube(inner: float, outer: float, length: float, size: float, *, near: Any = None) -> Mesh:
     """A hollow cylinder along z about the origin.
 
     Faces "inner", "outer", "bottom" (z = -length / 2), "top".
@@ -110,7 +110,7 @@ def tube(inner: float, outer: float, length: float, size: float, *, near: Any = 
     return _meshed(Tube(inside, outside, positive("length", length)), size, near)
 
 
-def ball(radius: float, size: float, *, near: Any = None) -> HexMesh:
+def ball(radius: float, size: float, *, near: Any = None) -> Mesh:
     """A ball about the origin: a core of bent cubes, and layers around it. Face "surface".
 
     Parameters
@@ -126,7 +126,7 @@ def _lengths(sizes: npt.ArrayLike) -> FloatArray:
     return np.array([positive(f"sizes[{k}]", edge) for k, edge in enumerate(array_of("sizes", sizes, (3,)).tolist())])
 
 
-def _block(low: FloatArray, high: FloatArray, size: Any, near: Any, elements: Any) -> HexMesh:
+def _block(low: FloatArray, high: FloatArray, size: Any, near: Any, elements: Any) -> Mesh:
     """By the longest edge, or numbers of elements."""
     if (size is None) == (elements is None):
         given = f"{shown(size)} and {shown(elements)}"
@@ -144,7 +144,7 @@ def _block(low: FloatArray, high: FloatArray, size: Any, near: Any, elements: An
     return shape.mesh([np.linspace(a, b, n + 1) for a, b, n in zip(low, high, counts, strict=True)])
 
 
-def _meshed(shape: Shape, size: Any, near: Any) -> HexMesh:
+def _meshed(shape: Shape, size: Any, near: Any) -> Mesh:
     """The mesh, made again with closer lines where its elements came out too long."""
     largest = positive("size", size)
     spots = [_on_surface(shape, spot) for spot in spots_of(near, largest, {*shape.names(), SURFACE})]
@@ -195,13 +195,13 @@ def _lines(shape: Shape, size: float, spots: list[Spot], finest: list[float]) ->
     return lines
 
 
-def _longest_at(mesh: HexMesh, edges: FloatArray, spot: Spot) -> float:
+def _longest_at(mesh: Mesh, edges: FloatArray, spot: Spot) -> float:
     """The longest edge of the elements with a node within the radius."""
     inside = np.linalg.norm(mesh.places - spot.place, axis=1) <= spot.radius
     return float(edges[inside[mesh.cells].any(axis=1)].max(initial=0.0))
 
 
-def _face_at(mesh: HexMesh, spot: Spot) -> IntArray:
+def _face_at(mesh: Mesh, spot: Spot) -> IntArray:
     """The quadrilaterals of the boundary within the radius that hang together with the place."""
     quads = np.concatenate(list(mesh.faces.values()))
     distance = np.linalg.norm(mesh.places - spot.place, axis=1)
