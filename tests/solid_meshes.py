@@ -15,7 +15,7 @@ from lcpflex.bodies.fem.mesh import KINDS, Mesh
 from lcpflex.jit.kernel import FloatArray
 from tests import libs
 
-__all__ = ["EDGES", "QUIET", "SOLIDS", "STEEL", "meshed_block", "solid"]
+__all__ = ["EDGES", "QUIET", "SOLIDS", "STEEL", "bent", "meshed_block", "solid"]
 
 STEEL: dict[str, Any] = {"density": 7850.0, "youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
 EDGES = (0.3, 0.2, 0.1)
@@ -55,3 +55,9 @@ def meshed_block(
 def solid(kind: str = "tetra10", counts: tuple[int, int, int] = (3, 2, 1), bend: Any = None, **more: Any) -> lf.Solid:
     """A block of steel."""
     return lf.Solid(meshed_block(kind, EDGES, counts, bend), **{**STEEL, **more})
+
+
+def bent(places: FloatArray) -> FloatArray:
+    """A block sheared, twisted and bent."""
+    x, y, z = places.T
+    return np.column_stack([x + 0.3 * z + 0.4 * y**2, y - 0.2 * x * z, z + 0.5 * x * y])

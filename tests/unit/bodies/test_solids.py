@@ -14,16 +14,10 @@ from lcpflex.bodies.reduction.eigenmodes import FreeMesh
 from lcpflex.bodies.spatial.checks import skew
 from lcpflex.jit.kernel import FloatArray
 from tests import libs
-from tests.solid_meshes import EDGES, QUIET, SOLIDS, STEEL, meshed_block, solid
+from tests.solid_meshes import EDGES, QUIET, SOLIDS, STEEL, bent, meshed_block, solid
 from tests.spatial_inertia import velocity_columns
 
 HZ = 2.0 * math.pi
-
-
-def bent(places: FloatArray) -> FloatArray:
-    """A block sheared, twisted and bent."""
-    x, y, z = places.T
-    return np.column_stack([x + 0.3 * z + 0.4 * y**2, y - 0.2 * x * z, z + 0.5 * x * y])
 
 
 @QUIET
