@@ -77,28 +77,30 @@ class BinaryNumbers:
     def __init__(self, data: bytes, at: int, order: str, size: int, section: str) -> None:
         self._data, self.at, self._order, self._size, self._section = data, at, order, size, section
 
-    def _taken(self, count: int, code: str) -> np.ndarray:
-        dtype = np.dtype(self._order + code)
+    def _taken(self, count: int, dtype: np.dtype, what: str = "numbers") -> np.ndarray:
         left = (len(self._data) - self.at) // dtype.itemsize
         if not 0 <= count <= left:
             raise Unreadable(
-                f"{self._section} tells {count} numbers, expected no more than the {left} that fit into the file"
+                f"{self._section} tells {count} {what}, expected no more than the {left} that fit into the file"
             )
         taken = np.frombuffer(self._data, dtype, count, self.at)
         self.at += count * dtype.itemsize
         return taken
 
+    def _numbers(self, count: int, code: str) -> np.ndarray:
+        return self._taken(count, np.dtype(self._order + code))
+
     def ints(self, count: int) -> IntArray:
         """Numbers of 4 bytes."""
-        return self._taken(count, "i4").astype(np.int64)
+        return self._numbers(count, "i4").astype(np.int64)
 
     def sizes(self, count: int) -> IntArray:
         """Numbers >= 0 of 4 or 8 bytes."""
-        return _checked_sizes(self._taken(count, f"i{self._size}").astype(np.int64), self._section)
+        return _checked_sizes(self._numbers(count, f"i{self._size}").astype(np.int64), self._section)
 
     def floats(self, count: int) -> FloatArray:
         """Numbers of 8 bytes."""
-        return self._taken(count, "f8").astype(np.float64)
+        return self._numbers(count, "f8").astype(np.float64)
 
     def rest(self) -> np.ndarray:
         """Numbers of 4 bytes up to the end of the file, which are not taken."""
@@ -106,15 +108,8 @@ class BinaryNumbers:
 
     def records(self, count: int, fields: list[tuple[str, str, int]]) -> np.ndarray:
         """Records of fields: names, types without byte order, and lengths."""
-        dtype = np.dtype([(name, self._order + code, (length,)) for name, code, length in fields])
-        left = (len(self._data) - self.at) // dtype.itemsize
-        if not 0 <= count <= left:
-            raise Unreadable(
-                f"{self._section} tells {count} entries, expected no more than the {left} that fit into the file"
-            )
-        taken = np.frombuffer(self._data, dtype, count, self.at)
-        self.at += count * dtype.itemsize
-        return taken
+        own = [(name, self._order + code, (length,)) for name, code, length in fields]
+        return self._taken(count, np.dtype(own), "entries")
 
 
 def _checked_sizes(values: IntArray, section: str) -> IntArray:
