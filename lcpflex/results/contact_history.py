@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 from lcpflex.basics.attributes import NamesNearest
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.model.arrays import OPEN, SLIP, STICK
+from lcpflex.model.arrays import OPEN, SLIP, STICK, frozen
 from lcpflex.results.contact_windows import CLOSED, INSTANTS, ContactWindow, windows_of
 
 __all__ = ["CLOSED", "ContactHistory", "ContactPoints", "Event", "untouched"]
 
 StateArray = NDArray[np.int8]
+NO_AREA = frozen([], float)  # stands for zeros, as many as there are points
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +43,12 @@ class ContactPoints:
     # that the normal is towards, a vector in world axes
     force: FloatArray
     state: StateArray  # (k,) OPEN, STICK, SLIP or CREEP
+    # (k,) that the force acts on [m^2]; 0 where force over area is no pressure, and in results of older versions
+    area: FloatArray = field(default_factory=lambda: NO_AREA)
+
+    def __post_init__(self) -> None:
+        if self.area is NO_AREA:
+            object.__setattr__(self, "area", np.zeros(len(self.record)))
 
     @property
     def normal_force(self) -> FloatArray:
@@ -72,7 +79,7 @@ class ContactPoints:
         rows = slice(first, last)
         return ContactPoints(
             self.record[rows], self.contact[rows], self.place[rows], self.normal[rows], self.force[rows],
-            self.state[rows],
+            self.state[rows], self.area[rows],
         )  # fmt: skip
 
 

@@ -25,6 +25,7 @@ __all__ = ["facts", "to_dataframe", "to_xarray"]
 
 AXES = ("x", "y", "z")
 COMPONENTS = ("normal", "tangential")
+NO_PRESSURE = "0: force over area is no pressure"
 IN_SPACE = ("normal", "friction x", "friction y", "friction z")  # components of contact forces there
 STATES = {"open": OPEN, "stick": STICK, "slip": SLIP, "creep": CREEP}
 OF_EACH_INSTANT = {"residual": "1", "penetration": "m", "joint_drift": "m or rad", "size": "1", "strict": "1"}
@@ -207,7 +208,7 @@ def _touches(result: Result) -> dict[str, Variable]:
         "touch_normal": _variable(points.normal, "1", "touch", "axis"),
         "touch_force": _variable(points.force, "N", "touch", "component"),
         "touch_state": _states(points.state, "touch"),
-    }
+    } | ({"touch_area": _variable(points.area, "m^2", "touch", about=NO_PRESSURE)} if _of_space(result) else {})
 
 
 def _error(result: Result) -> dict[str, Variable]:

@@ -60,13 +60,15 @@ def touching_points(found: Told) -> ContactPoints:
     touching = found.data["points"]
     contact = touching[:, 1].astype(np.int64)
     d = 3 if touching.shape[1] == IN_SPACE else 2
+    forces = 2 + 2 * d
     return ContactPoints(
         record=touching[:, 0].astype(np.int64),
         contact=contact,
         place=touching[:, 2 : 2 + d],
         normal=touching[:, 2 + d : 2 + 2 * d],
-        force=touching[:, 2 + 2 * d : -1],
+        force=touching[:, forces : forces + (4 if d == 3 else 2)],
         state=creeping(found.laws, contact, touching[:, -1]).astype(np.int8),
+        area=touching[:, -2] if d == 3 else np.zeros(len(touching)),
     )
 
 

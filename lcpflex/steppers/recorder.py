@@ -36,7 +36,7 @@ __all__ = [
     "recorder",
 ]
 
-IN_THE_PLANE, IN_SPACE = 9, 13  # columns of touching points
+IN_THE_PLANE, IN_SPACE = 9, 14  # columns of touching points
 
 
 @struct
@@ -96,7 +96,8 @@ class Recorder:
     joint_impulse: FloatArray = array("capacity", "joints", "reaction")
     joint_unique: IntArray = array("capacity", "rates", "joints")
     asked: IntArray = array("capacity", "rates")  # 1: by this rate; the worst ones are since the last of rate 0
-    # instant, law, place (x, y), n, force N, force T, state; in space three components of place, n and force T, world
+    # instant, law, place (x, y), n, force N, force T, state; in space three components of place, n and force T, world,
+    # and the area of the entry before the state
     points: FloatArray = array("points", "columns")
     table: ContactTable  # near contacts at the stored instant, for gaps
     margin: float  # gaps larger than this are not measured [m]

@@ -52,6 +52,7 @@ def load_pair(
         table.point[k, v] = point
     table.sense[k] = 1.0
     table.weight[k] = 1.0
+    table.area[k] = 0.0
     table.facing[k] = 0.0
     table.foot[k, 0] = 0.0
     table.foot[k, 1] = 0.0

@@ -92,6 +92,8 @@ class SpatialContactTable:
     sense: FloatArray = array("contacts")
     # share of the corner in the middle of the patch it belongs to, by which forces that nothing determines are divided
     weight: FloatArray = array("contacts")
+    # common area that the force of the entry acts on [m^2]; 0 where a force is no pressure
+    area: FloatArray = array("contacts")
     # of nodes: least cosine of their outward normal and that of j, reversed; of a rim in a patch: the angle of the
     facing: FloatArray = array("contacts")  # place that touches where it lies flat [rad]
     # xi^1, xi^2 in a facet; s on an edge; s and t of two edges; s on an edge, and which half of a rim or end it meets;
@@ -149,6 +151,7 @@ def copy_entry(source: SpatialContactTable, i: int, target: SpatialContactTable,
     target.node[j] = source.node[i]
     target.sense[j] = source.sense[i]
     target.weight[j] = source.weight[i]
+    target.area[j] = source.area[i]
     target.facing[j] = source.facing[i]
     target.gap[j] = source.gap[i]
     target.along[j] = source.along[i]

@@ -108,7 +108,8 @@ def note_spatial_contact(
         points[row, 9] = x
         points[row, 10] = y
         points[row, 11] = z
-        points[row, 12] = state
+        points[row, 12] = table.area[k]
+        points[row, 13] = state
         recorder.n_points = row + 1
 
 

@@ -257,6 +257,7 @@ def test_entries_are_plain_npy(swing: Result, tmp_path: Path) -> None:
 def test_a_file_of_the_first_format_is_read() -> None:
     """Its classes were named by modules that are elsewhere now. A disc of 2 kg lands after 1 cm, and slides."""
     found = Result.load(Path(__file__).parent / "result_of_first_format.npz")
+    assert found.contact_points.area.tolist() == [0.0] * len(found.contact_points.record) != []
     impact = found.events[0]
     assert (impact.kind, impact.contact) == ("impact", "floor")
     assert impact.time == pytest.approx(np.sqrt(2.0 * 0.01 / 10.0), abs=1e-12)

@@ -12,6 +12,7 @@ from lcpflex.jit.struct import allocate, put_array
 from lcpflex.model.arrays import SLIP, STICK
 from lcpflex.results.contact_history import ContactPoints
 from lcpflex.runs.page_result import touching_points
+from lcpflex.steppers.recorder import IN_SPACE
 from lcpflex.steppers.spatial.records import add_impulse, note_spatial_contact
 
 OWNER = np.array([2, 0, 1])  # bodies of three surfaces
@@ -36,8 +37,8 @@ def recording(laws: int = 2, points: int = 8) -> Any:
     put_array(told, "first", GIVEN[:, 0].copy())
     put_array(told, "owner", OWNER.copy())
     return SimpleNamespace(
-        table=told, now_force=np.zeros((laws, 4)), now_state=np.zeros(laws, np.int64), points=np.zeros((points, 13)),
-        total_impulse=np.zeros((laws, 4)), n_points=0, n_instants=3,
+        table=told, now_force=np.zeros((laws, 4)), now_state=np.zeros(laws, np.int64),
+        points=np.zeros((points, IN_SPACE)), total_impulse=np.zeros((laws, 4)), n_points=0, n_instants=3,
     )  # fmt: skip
 
 
@@ -52,6 +53,7 @@ def noted(table: Any, forces: Any, states: list[int]) -> Any:
 def test_a_force_is_that_on_the_body_of_the_first_surface_whichever_side_a_pair_has_it_on() -> None:
     table = entries([0, 1, 1], [(2, 0), (1, 2), (2, 1)])  # the last one the other way round
     second = np.cross(table.normal, table.tangent)
+    table.area[:] = 0.5, 0.0, 2.0
     forces = np.array([[5.0, 1.0, -2.0], [4.0, 0.5, 0.25], [3.0, -1.0, 0.75]])
     on_i = forces[:, :1] * table.normal + forces[:, 1:2] * table.tangent + forces[:, 2:] * second
     expected = on_i * np.array([[1.0], [1.0], [-1.0]])
@@ -63,6 +65,8 @@ def test_a_force_is_that_on_the_body_of_the_first_surface_whichever_side_a_pair_
     assert found.contact.tolist() == [0, 1, 1]
     assert found.record.tolist() == [3, 3, 3]
     assert found.place.tolist() == [[0.0, 2.0, 3.0], [1.0, 2.0, 3.0], [2.0, 2.0, 3.0]]
+    assert found.area.tolist() == [0.5, 0.0, 2.0]
+    assert found.state.tolist() == [STICK, SLIP, STICK]
     assert told.now_force[:, 0].tolist() == [5.0, 7.0]
     assert told.now_force[1, 1:] == pytest.approx(found.friction_force[1:].sum(axis=0), abs=1e-15)
     assert told.now_state.tolist() == [STICK, SLIP]
