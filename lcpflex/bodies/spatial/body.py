@@ -24,6 +24,7 @@ from lcpflex.basics.arguments import absent, array_of, mapping_of, positive, who
 from lcpflex.basics.restored import restore
 from lcpflex.bodies.body import Resolution, Statics
 from lcpflex.bodies.spatial.checks import check_inertia, check_products, even
+from lcpflex.bodies.spatial.face_nodes import FaceNodes
 from lcpflex.bodies.spatial.shapes import SHAPES, Shape
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -76,6 +77,7 @@ class MeshModes:
 
 
 MappingOrNone: TypeAlias = Mapping[str, SpatialPoint]
+FacesOrNone: TypeAlias = Mapping[str, FaceNodes]
 CallableOrNone: TypeAlias = Callable[[float, float, float], SpatialPoint]
 
 
@@ -111,6 +113,7 @@ class SpatialBody:
     reduction : by how many modes of its mesh it was made, and what makes it with more; None where that is not known
     mesh_modes : its modes on its mesh; None where it has none
     statics : static compliance of its whole mesh, (6, 6) by unit forces and moments; None where that is not known
+    faces : named parts of the surface of its mesh, whose facets touch other surfaces
 
     Raises
     ------
@@ -144,13 +147,14 @@ class SpatialBody:
     reduction: Reduction[SpatialBody] | None = field(default=None, repr=False)
     mesh_modes: MeshModes | None = field(default=None, repr=False)
     statics: Statics | None = field(default=None, repr=False)
+    faces: FacesOrNone = field(default=None, repr=False)  # type: ignore[arg-type]
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mass", positive("mass", self.mass))
         n = 0 if self.stiffness is None else len(array_of("stiffness", self.stiffness, (-1,)))
         omitted = {"stiffness": np.zeros(0), "damping": np.zeros(n), "S": np.zeros((n, 3)), "first": np.zeros((n, 9)),
                    "products": np.zeros((0, 0, 9)), "moment": np.zeros(3), "origin": np.zeros(3),
-                   "points": {}, "locate": _nowhere if n else rigid_point}  # fmt: skip
+                   "points": {}, "faces": {}, "locate": _nowhere if n else rigid_point}  # fmt: skip
         for name, value in omitted.items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, value)
@@ -206,6 +210,7 @@ class SpatialBody:
     def _check_others(self, n: int) -> None:
         """What is no array; and named points that are made already must have one shape a mode."""
         mapping_of("points", self.points)
+        self._check_faces(n)
         for name in ("locate", "nodes"):
             if not (callable(getattr(self, name)) or (name == "nodes" and self.nodes is None)):
                 raise ModelError(f"{name}: {shown(getattr(self, name))} was given, expected a function")
@@ -224,6 +229,15 @@ class SpatialBody:
                     raise ModelError(f"points[{name!r}]: {type(point).__name__} was given, expected a SpatialPoint")
                 for part, shape in (("place", (3,)), ("phi", (n, 3)), ("psi", (n, 3))):
                     array_of(f"points[{name!r}].{part}", getattr(point, part), shape)
+
+    def _check_faces(self, n: int) -> None:
+        mapping_of("faces", self.faces)
+        if isinstance(self.faces, dict):
+            for name, face in self.faces.items():
+                if not isinstance(face, FaceNodes):
+                    raise ModelError(f"faces[{name!r}]: {shown(face)} was given, expected that of a reduced body")
+                if face.points and face.points[0].phi.shape != (n, 3):
+                    raise ModelError(f"faces[{name!r}]: it is of another body, expected points with {n} modes")
 
     def __setstate__(self, state: list[Any]) -> None:
         """Of a copy or what is unpickled, whose arrays are read-only again."""
@@ -265,6 +279,24 @@ class SpatialBody:
         if not isinstance(name, str) or name not in self.points:
             raise ModelError(f"name: there is no point {absent(name, self.points)}")
         return self.points[name]
+
+    def face(self, name: str) -> FaceNodes:
+        """The face of that name.
+
+        Raises
+        ------
+        ModelError
+            For a name that the body does not have, and a set of nodes that are not those of faces of elements.
+        """
+        if isinstance(name, str) and name in self.faces:
+            return self.faces[name]
+        if isinstance(name, str) and name in self.points:
+            known = ", ".join(map(repr, sorted(self.faces))) or "no face"
+            raise ModelError(
+                f"name: {shown(name)} was given, whose nodes hold no whole face of an element of the surface, expected "
+                f"one of those that do ({known})"
+            )
+        raise ModelError(f"name: there is no face {absent(name, self.faces)}")
 
     def at_nodes(self, nodes: Sequence[int] | int, weights: Sequence[float] | None = None) -> SpatialPoint:
         """The point that stands for some nodes of the mesh: weighted means of their places and motion.

@@ -67,6 +67,7 @@ class ElasticMesh:
     nodes : node numbers, weights or None -> point; None where it has none
     points : names of points, and the operators there
     surface : what is drawn; None: not known
+    faces : names of parts of the surface, and their facets (F, k): rows of the vertices of ``surface``
     """
 
     mass: csc_matrix[Any]
@@ -80,6 +81,7 @@ class ElasticMesh:
     nodes: Callable[[Any, Any], PointOperator] | None = None
     points: dict[str, Callable[[], PointOperator]] = field(default_factory=dict)
     surface: Surface | None = None
+    faces: dict[str, IntArray] = field(default_factory=dict)
 
 
 def material(operator: PointOperator, shapes: FloatArray, origin: FloatArray, made_at: Any) -> SpatialPoint:

@@ -25,9 +25,10 @@ from lcpflex.bodies.reduction.mesh_body import Residual, damping_of
 from lcpflex.bodies.spatial.body import MeshModes, SpatialBody, SpatialPoint
 from lcpflex.bodies.spatial.checks import skew, skew_part
 from lcpflex.bodies.spatial.elastic import ElasticMesh, Integrals, material
+from lcpflex.bodies.spatial.face_nodes import FaceNodes
 from lcpflex.bodies.spatial.shapes import SurfaceShape
 from lcpflex.errors import ModelError, ModelWarning, shown
-from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.recovery import MeshShapes, SpatialLineShapes
 
 __all__ = ["check_deformation", "flexible_body"]
@@ -121,6 +122,7 @@ def flexible_body(
         reduction=reduction,
         mesh_modes=MeshModes(mesh.mass, shapes),
         statics=None if clamped else statics,
+        faces=Lazily({name: partial(_face, *here, facets) for name, facets in mesh.faces.items()}),
     )
 
 
@@ -195,6 +197,21 @@ def _of_nodes(mesh: ElasticMesh, shapes: FloatArray, origin: FloatArray, nodes: 
     chosen = tuple(np.atleast_1d(np.asarray(nodes)).tolist())
     weighed = None if weights is None else tuple(np.asarray(weights, dtype=np.float64).tolist())
     return material(operator, shapes, origin, NodeMean(chosen, weighed))
+
+
+def _face(mesh: ElasticMesh, shapes: FloatArray, origin: FloatArray, facets: IntArray) -> FaceNodes:
+    """Of a mesh of solid elements, three rows of the shapes a node."""
+    nodes, number = np.unique(facets, return_inverse=True)
+    assert mesh.surface is not None
+    n = shapes.shape[1]  # a rigid body turns as a whole
+    at = mesh.surface.vertices[nodes] - origin
+    phi = np.ascontiguousarray(shapes.reshape(len(shapes) // 3, 3, n)[nodes].transpose(0, 2, 1))
+    cells = number.reshape(facets.shape)
+    turn = np.zeros(phi.shape[1:])
+    for array in (at, phi, cells, turn):
+        array.setflags(write=False)
+    each = zip(at, phi, nodes.tolist(), strict=True)
+    return FaceNodes(tuple(SpatialPoint(x, moved, turn, not n, node) for x, moved, node in each), tuple(cells))
 
 
 def _shape(mesh: ElasticMesh, shapes: FloatArray, origin: FloatArray) -> SurfaceShape | None:

@@ -34,7 +34,24 @@ def solid_mesh(mesh: FiniteElements) -> ElasticMesh:
         nodes=points.of_nodes,
         points={name: partial(points.of_nodes, nodes) for name, nodes in mesh.sets.items()},
         surface=Surface(mesh.places, _triangles(mesh), _nodal),
+        faces=_faces(mesh),
     )
+
+
+def _faces(mesh: FiniteElements) -> dict[str, IntArray]:
+    """The facets (F, k) of each named face, and of the sets whose nodes are those of whole facets.
+
+    Of a solid, all of whose facets are known, a set may have other nodes, too: inside, or of a part of a facet.
+    """
+    found = {name: mesh.facets[rows] for name, rows in mesh.faces.items()}
+    for name, nodes in mesh.sets.items():
+        if name not in found and len(nodes) >= mesh.facets.shape[1]:
+            chosen = np.zeros(len(mesh.places), dtype=np.bool_)
+            chosen[nodes] = True
+            own = mesh.facets[chosen[mesh.facets].all(axis=1)]
+            if len(own) and (mesh.solid is not None or len(np.unique(own)) == len(nodes)):
+                found[name] = own
+    return found
 
 
 def _triangles(mesh: FiniteElements) -> IntArray:

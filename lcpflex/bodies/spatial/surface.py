@@ -27,6 +27,7 @@ __all__ = [
     "CYLINDER",
     "EDGED",
     "EDGES",
+    "FACE",
     "MESH",
     "MESHES",
     "NO_POINTS",
@@ -57,14 +58,17 @@ class SpatialKind(Enum):
     CAPSULE = "capsule"
     CYLINDER = "cylinder"
     RIM = "rim"
+    FACE = "face"
     POLYHEDRON = "convex polyhedron"
     MESH = "triangle surface"
     HOLE = "hole"
     PLANE = "plane"
 
 
-CODES = {kind: code for code, kind in enumerate(SpatialKind)}  # by which kernels know them
-RANKS = tuple(CODES.values())  # by the codes: of two that could be the node side, the lower is
+# by which kernels know them, and files of results: what came later is behind the others
+_CODED = (*(kind for kind in SpatialKind if kind is not SpatialKind.FACE), SpatialKind.FACE)
+CODES = {kind: code for code, kind in enumerate(_CODED)}
+RANKS = tuple(list(SpatialKind).index(kind) for kind in _CODED)  # by the codes: of two node sides, the lower is it
 SOLID = (SpatialKind.CAPSULE, SpatialKind.POLYHEDRON, SpatialKind.MESH, SpatialKind.HOLE, SpatialKind.PLANE)
 TOUCHED = {  # what the nodes of a surface may touch
     SpatialKind.NODE: (SpatialKind.SPHERE, SpatialKind.CYLINDER, *SOLID),
@@ -72,14 +76,16 @@ TOUCHED = {  # what the nodes of a surface may touch
     SpatialKind.CAPSULE: (SpatialKind.CYLINDER, *SOLID),
     SpatialKind.CYLINDER: (SpatialKind.CYLINDER, SpatialKind.POLYHEDRON, SpatialKind.PLANE),
     SpatialKind.RIM: (SpatialKind.PLANE,),
+    SpatialKind.FACE: (SpatialKind.SPHERE, SpatialKind.CYLINDER, SpatialKind.FACE, *SOLID),
     SpatialKind.POLYHEDRON: (SpatialKind.CYLINDER, *SOLID),
     SpatialKind.MESH: SOLID,
 }
-TOUCHES = np.array([[b in TOUCHED.get(a, ()) for b in SpatialKind] for a in SpatialKind])  # the same by their codes
+TOUCHES = np.array([[b in TOUCHED.get(a, ()) for b in CODES] for a in CODES])  # the same by their codes
 WITH_EDGES = (SpatialKind.CAPSULE, SpatialKind.POLYHEDRON, SpatialKind.MESH)
-EDGED = tuple(kind in WITH_EDGES for kind in SpatialKind)  # by their codes, those that touch each other with edges
+EDGED = tuple(kind in WITH_EDGES for kind in CODES)  # by their codes, those that touch each other with edges
 CAPSULE, CYLINDER = CODES[SpatialKind.CAPSULE], CODES[SpatialKind.CYLINDER]
 POLYHEDRON, MESH = CODES[SpatialKind.POLYHEDRON], CODES[SpatialKind.MESH]
+FACE = CODES[SpatialKind.FACE]
 ON_CYLINDER = (SpatialKind.CAPSULE, SpatialKind.CYLINDER)
 RIMMED = (SpatialKind.CYLINDER, SpatialKind.RIM)  # those that touch with circles
 RIM_POINTS = 8  # of each rim, on which a cylinder or disc stands on a plane; on other bodies there are twice as many
@@ -106,13 +112,16 @@ class SpatialSurface:
     three points of a plane, a metre apart, seen counter-clockwise from outside; the centres of both rims of a cylinder,
     or of a rim and another point on its axis, and points on them, of cylinders those half-way between, too).
     radius [m] of spheres, holes, capsules, cylinders and rims. triangles (T, 3): of which points,
-    counter-clockwise seen from outside; none: the points alone are known.
+    counter-clockwise seen from outside; none: the points alone are known. cells of a face: of which points each facet
+    is made, (3,), (4,), (6,), (8,) or (9,): its corners, counter-clockwise seen from outside, then those amid its edges
+    (behind the first corner's, the one between it and the second), then the middle.
     """
 
     kind: SpatialKind
     points: tuple[SpatialPoint, ...]
     radius: float = 0.0
     triangles: IntArray = field(default_factory=lambda: np.zeros((0, 3), dtype=np.int64))
+    cells: tuple[IntArray, ...] = ()
 
     def can_touch(self, other: Any) -> bool:
         """Whether there is a contact between surfaces of these kinds."""
