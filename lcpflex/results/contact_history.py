@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lcpflex.basics.attributes import NamesNearest
+from lcpflex.errors import ModelError, in_range
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import OPEN, SLIP, STICK, frozen
+from lcpflex.results.contact_patch import areas_of, pressures_of, radii_of
 from lcpflex.results.contact_windows import CLOSED, INSTANTS, ContactWindow, windows_of
 
 __all__ = ["CLOSED", "ContactHistory", "ContactPoints", "Event", "untouched"]
@@ -76,7 +78,13 @@ class ContactPoints:
         record: its index in ``result.times``.
         """
         first, last = np.searchsorted(self.record, (record, record + 1)).tolist()
-        rows = slice(first, last)
+        return self.take(slice(first, last))
+
+    def take(self, rows: IntArray | slice) -> ContactPoints:
+        """Some of them.
+
+        rows: their numbers, rising.
+        """
         return ContactPoints(
             self.record[rows], self.contact[rows], self.place[rows], self.normal[rows], self.force[rows],
             self.state[rows], self.area[rows],
@@ -102,6 +110,8 @@ class ContactHistory(NamesNearest):
     located: str = INSTANTS  # by what touches are, see :class:`lcpflex.results.contact_windows.ContactWindow`
     told_of_steps: bool = True  # whether an instant tells of the step before it, as under time stepping
     noise: float = 0.0  # [N s] impulses in an interval up to this are no touch: what solving equations leaves
+    _every: ContactPoints | None = None  # touching points of the run
+    _own: IntArray | None = None  # and which of them are those of the contact
 
     def __repr__(self) -> str:
         """What happened, and not the arrays."""
@@ -149,6 +159,74 @@ class ContactHistory(NamesNearest):
     def creeping(self) -> float:
         """Share of the stored instants spent creeping: slower than the slip speed of a law that cannot stick."""
         return float(np.count_nonzero(self.state == CREEP)) / max(self.state.size, 1)
+
+    @property
+    def points(self) -> ContactPoints:
+        """Its touching points at all stored instants."""
+        if self._every is not None and self._own is not None:
+            return self._every.take(self._own)
+        none, d = np.zeros(0, np.int64), 2 if self.force.shape[1] == 2 else 3
+        vectors = np.zeros((0, d))
+        return ContactPoints(none, none, vectors, vectors, np.zeros((0, self.force.shape[1])), none.astype(np.int8))
+
+    def pressure(self, t: float) -> tuple[FloatArray, FloatArray]:
+        """Pressures p = F_N / A at the stored instant nearest to t: places (k, 3), world axes [m], and p (k,) [Pa].
+
+        F_N is the normal force of a touching point, A the area it acts on: of the mean of a face about a node
+        (``points="areas"``), of two faces what they have in common; or of a node of a linear face, where A is the
+        integral of its hat function.
+
+        Under time stepping F_N is the mean over the step that ends at the instant (impulse over step): an impact within
+        one step has a pressure the larger, the shorter the step. An event-driven run tells forces of the instant, and
+        impacts have none. Of instants that are stored twice, before and after an event, the first counts.
+
+        Parameters
+        ----------
+        t
+            [s], between the first and the last stored instant.
+
+        Raises
+        ------
+        ModelError
+            For another t, in the plane, and where a force acts on no area: at nodes of quadratic faces a uniform
+            pressure gives corners small, no or negative forces, so that force over area is no pressure there.
+        """
+        k = self._nearest(t)
+        return pressures_of(self._touching(k), self.name, float(self.times[k]))
+
+    @property
+    def area(self) -> FloatArray:
+        """(m,) sum of the areas of the touching points that press at each instant [m^2]; 0 where it is open.
+
+        Raises ModelError as :meth:`pressure` does, where at any instant a force acts on no area.
+        """
+        return areas_of(self.points, self.name, len(self.times))
+
+    @property
+    def radius(self) -> FloatArray:
+        """(m,) radius of the patch by the distribution of the normal forces [m]; 0 where it is open.
+
+        a = (5/2 sum F_k r_k^2 / sum F_k)^(1/2), r_k being distances from the centre of the forces, sum F_k x_k /
+        sum F_k: the radius of Hertz's circle, where the mean of r^2 is 2 a^2 / 5. It needs no areas, and holds for
+        forces at nodes of quadratic faces, too. Of a patch that is no circle it is a mean size, of a single point 0.
+
+        Raises ModelError in the plane, where a patch is a line, and for systems of the user's own, without places.
+        """
+        return radii_of(self.points, self.name, len(self.times))
+
+    def _nearest(self, t: float) -> int:
+        """The stored instant nearest to t."""
+        if not len(self.times):
+            raise ModelError("t: a result without stored instants was given, expected one with some")
+        wanted = in_range("t", t, float(self.times[0]), float(self.times[-1]))
+        return int(np.abs(self.times - wanted).argmin())
+
+    def _touching(self, record: int) -> ContactPoints:
+        """Its touching points at one stored instant, without those of all others."""
+        if self._every is None or self._own is None or not len(self._own):
+            return self.points
+        there = self._every.at(record)
+        return there.take(np.flatnonzero(there.contact == self._every.contact[self._own[0]]))
 
     @property
     def least_gap(self) -> float:

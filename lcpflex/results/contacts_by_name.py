@@ -65,7 +65,8 @@ def history_of(result: Result, name: str) -> ContactHistory:
     crept = result.crept[k] if result.crept else 0.0
     noise = impulse_noise(result) * float(np.abs(impulse).max(initial=0.0))
     how = located(result, name), tells_of_steps(result), noise
-    return ContactHistory(name, result.times, force, impulse, state, gap, pairs, first, crept, events, *how)
+    of_points = result.contact_points, points
+    return ContactHistory(name, result.times, force, impulse, state, gap, pairs, first, crept, events, *how, *of_points)
 
 
 def _made(result: Result) -> ContactsByName:

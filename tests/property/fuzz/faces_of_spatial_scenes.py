@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 import lcpflex as lf
+from lcpflex.results.contact_history import ContactHistory, untouched
 from tests.property.fuzz.face import Face
 
 __all__ = ["spatial_parts_faces"]
@@ -86,6 +87,9 @@ def spatial_parts_faces() -> list[Face]:
     def result() -> lf.Result:
         return lf.simulate(scene(), 0.003, lf.MoreauJean(step=1e-3), progress=False)
 
+    def never() -> ContactHistory:
+        return untouched("ball on floor", result().times, 4)
+
     def told(name: str, **arguments: Any) -> Face:
         return Face(f"Result.{name}", getattr(lf.Result, name), lambda: dict(arguments), result)
 
@@ -116,6 +120,7 @@ def spatial_parts_faces() -> list[Face]:
         told("momentum", body="ball"),
         told("orientation", body="ball"),
         told("angular_velocity", body="ball", axes="body"),
+        Face("ContactHistory.pressure", ContactHistory.pressure, lambda: {"t": 0.0}, never),
         Face("SpatialScene", lf.SpatialScene, dict),
         Face("SpatialScene.add", lf.SpatialScene.add, lambda: {"body": lf.Sphere(0.1, mass=1.0)}, lf.SpatialScene),
         Face("SpatialScene.add flexible", lf.SpatialScene.add, lambda: {"body": _solid(), "modes": 2}, lf.SpatialScene),
