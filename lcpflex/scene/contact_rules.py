@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, NamedTuple
 
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.force_laws.law import Law
 from lcpflex.scene.declared import ContactRule, DeclaredContact
+from lcpflex.scene.face_contacts import check_apart, check_once, finer_of, is_face, later_choices, touching_points
 from lcpflex.scene.placed_body import PlacedBody
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
 
@@ -43,6 +45,18 @@ class KeptRule:
                     break
         return found
 
+    def check_faces(self, declared: Mapping[str, DeclaredContact]) -> None:
+        """Raise ModelError where the rule is for the whole surface of a body whose face touches the same partner."""
+        barred = set(self.barred)
+        for name, contact in declared.items():
+            if not any(map(is_face, contact.pair)):
+                continue
+            mine, theirs = ([k for k, s in enumerate(self.surfaces) if s.body == one.body] for one in contact.pair)
+            for i, j in product(mine, theirs):
+                pair = self.surfaces[i], self.surfaces[j]
+                if pair[0].shape.can_touch(pair[1].shape) and (min(i, j), max(i, j)) not in barred:
+                    check_apart(f"contact {name!r}", contact.pair, "that of contact_all", pair)
+
 
 class ByRules(NamedTuple):
     """What rules make of a scene."""
@@ -65,35 +79,56 @@ def by_rules(
     Where they are many, and not to be ``listed``, the first rule is not: its contacts are those between all surfaces
     but for some pairs. Contacts by a force law remember what they went through, each one for itself: they are listed.
     """
+    check_once(declared)
     if not rules:
         return ByRules({}, None, ())
     outlines = [p.surface() for p in placed if p.has_outline]
     candidates = (*outlines, *surfaces)
     kept = rules[0].law is None and len(candidates) > LISTED and not listed
     taken = pairs_apart(candidates, declared, joints)
+    excluded = [excluded_pairs(rule, candidates) for rule in rules]
+    faces = {k for k, one in enumerate(candidates) if is_face(one)}
+    if faces:
+        own = pairs_apart(candidates, declared, ())
+        taken |= later_choices(
+            candidates, lambda pair: pair in own or (pair not in taken and any(pair not in one for one in excluded))
+        )
     first: KeptRule | None = None
     if kept:
-        excluded = excluded_pairs(rules[0], candidates)
-        first = KeptRule(rules[0], candidates, tuple(sorted(taken | excluded)))
-        pairs: Iterable[tuple[int, int]] = sorted(excluded)
-        rules = rules[1:]
+        first = _kept(rules[0], candidates, taken | excluded[0], faces)
+        pairs: Iterable[tuple[int, int]] = sorted(excluded[0] | _between(faces, range(len(candidates))))
     else:
-        pairs = [(i, j) for i in range(len(candidates)) for j in range(i + 1, len(candidates))] if rules else []
+        pairs = [(i, j) for i in range(len(candidates)) for j in range(i + 1, len(candidates))]
     found = {}
-    for rule in rules:
-        left_out = excluded_pairs(rule, candidates)
+    for rule, left_out in zip(rules, excluded, strict=True):
         for pair in pairs:
             a, b = (candidates[k] for k in pair)
             if a.body != b.body and pair not in taken and a.shape.can_touch(b.shape) and pair not in left_out:
                 taken.add(pair)
                 name, contact = _by_rule(rule, a, b)
                 found[name] = contact
-    return ByRules(found, first, candidates)
+    if faces:
+        check_once({**declared, **found})
+        if first is not None:
+            first.check_faces(declared)
+    whole = {surface.body for surface in outlines}
+    told = tuple(one for k, one in enumerate(candidates) if k not in faces or one.body not in whole)
+    return ByRules(found, first, told)
+
+
+def _kept(rule: ContactRule, candidates: Sequence[PlacedSurface], barred: Pairs, faces: Collection[int]) -> KeptRule:
+    """The rule for all candidates but faces, whose pairs are listed."""
+    plain = [k for k in range(len(candidates)) if k not in faces]
+    number = dict(zip(plain, range(len(plain)), strict=True))
+    pairs = sorted((number[i], number[j]) for i, j in barred if i in number and j in number)
+    return KeptRule(rule, tuple(candidates[k] for k in plain), tuple(pairs))
 
 
 def _by_rule(rule: ContactRule, a: PlacedSurface, b: PlacedSurface) -> tuple[str, DeclaredContact]:
     numbers = (rule.friction, rule.restitution, rule.tangential_restitution)
-    return f"{a.label}/{b.label}", DeclaredContact((a, b), *numbers, law=rule.law)
+    node_side = finer_of(a, b) if is_face(a) and is_face(b) else None
+    points = touching_points(a, b, node_side, None)
+    return f"{a.label}/{b.label}", DeclaredContact((a, b), *numbers, node_side, rule.law, points)
 
 
 Pairs = set[tuple[int, int]]
@@ -151,10 +186,12 @@ def contact_between(
     tangential_restitution: float,
     node_side: PlacedSurface | None,
     law: Law | None,
+    points: str | None = None,
 ) -> DeclaredContact:
     """What :meth:`lcpflex.scene.scene.Scene.contact` declares; or ModelError.
 
-    between: names of the contacts of the scene, by the labels of their two surfaces.
+    between: names of the contacts of the scene, by the labels of their two surfaces. points: what a face touches with,
+    see :func:`touching_points`. Of two faces the node side is known, chosen or not.
     """
     for argument, surface in (("a", a), ("b", b)):
         if not isinstance(surface, PlacedSurface):
@@ -178,7 +215,10 @@ def contact_between(
         raise ModelError(f"contact: {a.label!r} and {b.label!r} were given twice, {shown(other)} is between them")
     numbers = _numbers(friction, restitution, tangential_restitution, law)
     _check_node_side(node_side, a, b)
-    return DeclaredContact((a, b), *numbers, node_side, law)
+    chosen = touching_points(a, b, node_side, points)
+    if node_side is None and is_face(a) and is_face(b):
+        node_side = finer_of(a, b)
+    return DeclaredContact((a, b), *numbers, node_side, law, chosen)
 
 
 def rule_of(

@@ -26,6 +26,7 @@ class DeclaredContact:
     tangential_restitution: float
     node_side: PlacedSurface | None = None  # the one of the pair whose points alone touch the other; None: by the kinds
     law: Law | None = None  # continuous contact force; None: complementarity
+    points: str = ""  # what the face that is the node side touches with, "areas" or "nodes"; "" without a face
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -34,6 +34,7 @@ Place = str | PlacedPoint | npt.ArrayLike
 
 
 _KNOWN_AS = {
+    "face": "it is spatial; in the plane surface(name), of an outline or a set of nodes",
     "plane": "it is spatial; in the plane half_plane(point, normal)",
     "sphere": "it is spatial; in the plane circle(center, radius)",
     "cylinder": "it is spatial; in the plane circle(center, radius)",

@@ -113,7 +113,8 @@ class _Again:
             a, b = (self._surface(surface) for surface in contact.pair)
             numbers = (contact.friction, contact.restitution, contact.tangential_restitution)
             node_side = None if contact.node_side is None else self._surface(contact.node_side)
-            self._new.contact(a, b, *numbers, name=name, node_side=node_side, law=contact.law)
+            more = {"points": contact.points} if contact.points else {}  # which planar scenes do without
+            self._new.contact(a, b, *numbers, name=name, node_side=node_side, law=contact.law, **more)
         for rule in parts.rules:
             self._new.contact_all(
                 rule.friction, rule.restitution, rule.tangential_restitution,

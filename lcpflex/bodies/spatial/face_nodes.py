@@ -22,7 +22,9 @@ class FaceNodes:
     points : the material of each node; its displacements alone are known
     cells : of which points each facet is made, (k,), k = 3, 4, 6, 8 or 9: its corners, counter-clockwise seen from
         outside, then those amid its edges (the first between the first two corners), then the middle
+    triangles : (T, 3) plane ones that the facets are split into
     """
 
     points: tuple[SpatialPoint, ...] = field(repr=False)
     cells: tuple[IntArray, ...] = field(repr=False)
+    triangles: IntArray = field(repr=False)

@@ -17,6 +17,7 @@ import numpy as np
 
 from lcpflex.basics.arguments import array_of, whole_number
 from lcpflex.bodies.body import Lazily, Resolution, Statics
+from lcpflex.bodies.fem.faces import flat_facets
 from lcpflex.bodies.reduction.again import Reduction
 from lcpflex.bodies.reduction.bases import Basis
 from lcpflex.bodies.reduction.damping import Damping, signed, vanish
@@ -208,10 +209,12 @@ def _face(mesh: ElasticMesh, shapes: FloatArray, origin: FloatArray, facets: Int
     phi = np.ascontiguousarray(shapes.reshape(len(shapes) // 3, 3, n)[nodes].transpose(0, 2, 1))
     cells = number.reshape(facets.shape)
     turn = np.zeros(phi.shape[1:])
-    for array in (at, phi, cells, turn):
+    triangles = flat_facets(cells)
+    for array in (at, phi, cells, turn, triangles):
         array.setflags(write=False)
     each = zip(at, phi, nodes.tolist(), strict=True)
-    return FaceNodes(tuple(SpatialPoint(x, moved, turn, not n, node) for x, moved, node in each), tuple(cells))
+    points = tuple(SpatialPoint(x, moved, turn, not n, node) for x, moved, node in each)
+    return FaceNodes(points, tuple(cells), triangles)
 
 
 def _shape(mesh: ElasticMesh, shapes: FloatArray, origin: FloatArray) -> SurfaceShape | None:

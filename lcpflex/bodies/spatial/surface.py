@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lcpflex.bodies.spatial.body import SpatialPoint, rigid_point
+from lcpflex.bodies.spatial.face_nodes import FaceNodes
 from lcpflex.bodies.spatial.shapes import CapsuleShape, CylinderShape, Shape, SphereShape, SurfaceShape
 from lcpflex.jit.kernel import FloatArray, IntArray
 
@@ -42,6 +43,7 @@ __all__ = [
     "SpatialSurface",
     "carried",
     "cylinder",
+    "face",
     "passes_of",
     "plane",
     "polyhedron",
@@ -247,6 +249,11 @@ def plane(point: SpatialPoint, normal: FloatArray) -> SpatialSurface:
     """Everything behind the plane through ``point``; ``normal`` (3,), not zero, points out of the solid."""
     _, first, second = _frame(normal)
     return SpatialSurface(SpatialKind.PLANE, (point, carried(point, first), carried(point, second)))
+
+
+def face(nodes: FaceNodes) -> SpatialSurface:
+    """A part of the surface of a mesh."""
+    return SpatialSurface(SpatialKind.FACE, nodes.points, triangles=nodes.triangles, cells=nodes.cells)
 
 
 def polyhedron(points: tuple[SpatialPoint, ...], triangles: IntArray) -> SpatialSurface:

@@ -16,7 +16,7 @@ from lcpflex.basics.arguments import absent, array_of, positive
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.bodies.spatial import surface as surfaces
 from lcpflex.bodies.spatial.body import SpatialPoint, rigid_point
-from lcpflex.bodies.spatial.closed_surface import check_closed
+from lcpflex.bodies.spatial.closed_surface import check_closed, is_closed
 from lcpflex.bodies.spatial.hull import block, convex_hull
 from lcpflex.bodies.spatial.shapes import SurfaceShape
 from lcpflex.bodies.spatial.surface import SpatialKind, SpatialSurface, carried
@@ -64,7 +64,10 @@ class SpatialPlaced(PlacedBody):
     def has_outline(self) -> bool:
         """Whether the body has a surface that can be touched."""
         shape = None if self.source is None else self.source.shape
-        return shape is not None and not (isinstance(shape, SurfaceShape) and not len(shape.triangles))
+        if not isinstance(shape, SurfaceShape) or not len(shape.triangles):
+            return shape is not None and not isinstance(shape, SurfaceShape)
+        faces = any(one.body == self.body and one.shape.kind is SpatialKind.FACE for one in self.scene._surfaces)
+        return not faces or is_closed(shape.triangles)  # where matrices tell no more than faces, these touch
 
     def point(self, name: str) -> PlacedPoint:
         """A named point of the body."""
@@ -106,6 +109,34 @@ class SpatialPlaced(PlacedBody):
         if len(shape.triangles):
             check_closed(f"surface of {shown(self.name)}", np.array([p.place for p in shape.points]), shape.triangles)
         return PlacedSurface(self.scene, self.body, f"{self.name}.surface", shape, methodcaller("surface"))
+
+    def face(self, name: str) -> PlacedSurface:
+        """A named face of the mesh of a body: facets that touch with all their nodes, and with areas among these.
+
+        It is an open part of the surface, of the body of a ``Solid`` (faces of the mesh, groups of its file, ``sets``,
+        "surface") or of ``SpatialMatrices(faces=...)``. Asked for again, it is the same one.
+        """
+        if self.source is None:
+            raise ModelError(
+                f"name: {shown(name)} was given for the ground, which has no mesh: make a plane, box, hull, sphere or "
+                "cylinder on it"
+            )
+        if not len(self.source.faces):
+            raise ModelError(
+                f"name: {shown(self.name)} has no faces, expected a body of a Solid, or of SpatialMatrices(faces=...)"
+            )
+        try:
+            found = self.source.face(name)
+        except ModelError as error:
+            raise ModelError(f"{error}, of {shown(self.name)}") from None
+        label = f"{self.name}.face({name})"
+        known = next((one for one in self.scene._surfaces if one.label == label), None)
+        if known is not None:
+            return known
+        shape = surfaces.face(found)
+        surface = PlacedSurface(self.scene, self.body, label, shape, methodcaller("face", name))
+        self.scene._keep(surface)
+        return surface
 
     def sphere(self, center: Place, radius: float) -> PlacedSurface:
         """A ball of ``radius`` > 0 [m] that moves with the material at ``center``, solid inside."""

@@ -261,6 +261,7 @@ class SpatialScene(Register):
         *,
         node_side: PlacedSurface | None = None,
         law: Law | None = None,
+        points: str | None = None,
     ) -> str:
         """Declare that two surfaces may touch; returns the name of the contact (contact1, contact2, ... if omitted).
 
@@ -268,11 +269,16 @@ class SpatialScene(Register):
         rolling friction.
 
         friction: mu >= 0; restitution: Newton's e_N in [0, 1]; tangential_restitution: e_T in [0, 1]. ``node_side``,
-        one of a and b: its points touch the features of the other, and no more. ``law``: a continuous contact force, as
-        in :meth:`lcpflex.Scene.contact`.
+        one of a and b: its points touch the features of the other, and no more; of two faces the finer one, if omitted.
+        ``law``: a continuous contact force, as in :meth:`lcpflex.Scene.contact`.
+
+        ``points`` of a face, ``body.face(name)``: "nodes" for forces at its nodes; or "areas" for one force about each
+        corner of its sub-faces (quadratic facets have four), with the hat function phi_a there as its weight: the gap
+        is the mean over the area, force over area is the pressure, and patches of unlike meshes carry a uniform one. If
+        omitted, nodes of linear facets on planes, spheres, holes, cylinders and capsules, and areas of all others.
         """
         declared = contact_between(
-            self, self._between, a, b, friction, restitution, tangential_restitution, node_side, law
+            self, self._between, a, b, friction, restitution, tangential_restitution, node_side, law, points
         )
         name = free_name("contact", name, self._contacts)
         self._contacts[name] = declared
@@ -291,6 +297,8 @@ class SpatialScene(Register):
         """Everything against everything: the surface of each body and all surfaces made on bodies and on the ground.
 
         What is left out, told and refused, and how contacts are named, is as in :meth:`lcpflex.Scene.contact_all`.
+
+        A face takes part where the whole surface of its body does not: with ``exclude=[(body.surface(), other)]``.
 
         friction, restitution, tangential_restitution, law: as in :meth:`contact`, of all these contacts. exclude: pairs
         of bodies or surfaces.

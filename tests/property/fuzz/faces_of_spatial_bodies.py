@@ -88,6 +88,12 @@ def spatial_bodies_faces() -> list[Face]:
             lambda: lf.Sphere(0.1, mass=1.0),
         ),
         Face("SpatialBody.at_nodes", lf.SpatialBody.at_nodes, lambda: {"nodes": [0, 1, 2]}, _flexible),
+        Face(
+            "SpatialBody.face",
+            lf.SpatialBody.face,
+            lambda: {"name": "surface"},
+            lambda: lf.Solid(**_meshed()).reduce(0),
+        ),
         named("SpatialBeam", **BEAM),
         Face("SpatialBeam.reduce", lf.SpatialBeam.reduce, lambda: {"modes": 2}, lambda: lf.SpatialBeam(**BEAM)),
         Face(

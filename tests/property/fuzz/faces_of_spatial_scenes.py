@@ -47,10 +47,14 @@ def _contact(
     tangential_restitution: Any = 0.0,
     node_side: Any = None,
     law: Any = None,
+    points: Any = None,
 ) -> Any:
     given = _surfaces()
+    if points is not None:
+        block = given["a"].scene.add(_solid(), "block", modes=0)
+        given["a"] = block.face("left")
     numbers = {"friction": friction, "restitution": restitution, "tangential_restitution": tangential_restitution}
-    return given["a"].scene.contact(**given, **numbers, node_side=node_side, law=law)
+    return given["a"].scene.contact(**given, **numbers, node_side=node_side, law=law, points=points)
 
 
 def _sides(a: Any = None, b: Any = None) -> Any:
@@ -116,6 +120,7 @@ def spatial_parts_faces() -> list[Face]:
         ),
         Face("SpatialPlaced.box", placed().box, lambda: {"center": (0.0, 0.0, 0.0), "sizes": (0.1, 0.2, 0.3)}),
         Face("SpatialPlaced.hull", placed().hull, lambda: {"points": np.vstack([np.zeros(3), np.eye(3)])}),
+        Face("SpatialPlaced.face", lf.SpatialScene().add(_solid(), modes=0).face, lambda: {"name": "left"}),
         Face("SpatialPlaced.node", placed().node, lambda: {"point": (0.0, 0.0, 0.0)}),
         told("momentum", body="ball"),
         told("orientation", body="ball"),

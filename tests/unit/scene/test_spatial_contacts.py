@@ -74,7 +74,7 @@ def mesh_of(scene: lf.SpatialScene) -> Any:
         (lambda s, a, b: s.contact(a.rim("center", UP, 1.0), log(b)), "rim.*cylinder.*with one of: plane$"),
         (
             lambda s, a, b: s.contact(log(a), mesh_of(s)),
-            "a cylinder with one of: node, sphere, capsule, cylinder, convex polyhedron, plane; .*ConvexHull",
+            "a cylinder with one of: node, sphere, capsule, cylinder, face, convex polyhedron, plane; .*ConvexHull",
         ),
         (lambda s, a, b: s.contact(log(a), b.hole(UP, 1.0)), "a cylinder.*a hole.*which cannot touch each other"),
         (lambda s, a, b: s.contact(log(a), b.surface(), node_side=log(a)), "node_side"),

@@ -1,0 +1,162 @@
+"""Contacts of faces: what of a face touches, which of two faces it is, and that no part of a body touches twice.
+
+Of two faces the finer one touches the other with its areas or nodes: areas that are smaller than what they lie on
+follow it, larger ones pass over what is between their middles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import combinations
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lcpflex.basics.arguments import one_of
+from lcpflex.errors import ModelError, shown
+
+if TYPE_CHECKING:
+    from lcpflex.scene.declared import DeclaredContact
+    from lcpflex.scene.placed_surface import PlacedSurface
+
+__all__ = ["check_apart", "check_once", "coarse_node_sides", "finer_of", "is_face", "later_choices", "touching_points"]
+
+WHOLE = ".surface"  # what labels of whole surfaces end with
+POINTS = ("areas", "nodes")
+EQUAL = 1e-6  # of the area of a sub-face: rounding
+SUBFACES = {3: 1, 4: 1, 6: 4, 8: 1, 9: 4}  # of a facet, by its nodes: each is shared by the areas of its corners
+SIMPLE = ("PLANE", "SPHERE", "HOLE", "CYLINDER", "CAPSULE")  # kinds that nodes of linear facets follow exactly
+
+
+def is_face(surface: PlacedSurface) -> bool:
+    """Whether a surface is a face of a mesh."""
+    return bool(getattr(surface.shape, "cells", ()))
+
+
+def finer_of(a: PlacedSurface, b: PlacedSurface) -> PlacedSurface:
+    """The face with the smaller sub-faces; the first of equal ones."""
+    return b if _mean_area(b.shape) < _mean_area(a.shape) * (1.0 - EQUAL) else a
+
+
+def _mean_area(shape: Any) -> float:
+    """Of the sub-faces of a face [m^2]."""
+    places = np.array([point.place for point in shape.points])
+    corners = places[shape.triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return float(0.5 * np.linalg.norm(normals, axis=1).sum() / sum(SUBFACES[len(cell)] for cell in shape.cells))
+
+
+def touching_points(a: PlacedSurface, b: PlacedSurface, node_side: PlacedSurface | None, points: Any) -> str:
+    """What a face touches with: "areas" or "nodes"; "" where neither surface is one.
+
+    points: what was chosen, None for nodes of linear facets on planes, spheres and cylinders, and areas of others.
+
+    Raises
+    ------
+    ModelError
+        For other words, and a choice for surfaces that are no faces.
+    """
+    chosen = None if points is None else one_of("points", points, POINTS)
+    faces = [one for one in (a, b) if is_face(one)]
+    if not faces:
+        if chosen is not None:
+            raise ModelError(
+                f"points: {shown(points)} was given for {a.label!r} and {b.label!r}, expected it for a face of a body, "
+                "body.face(name)"
+            )
+        return ""
+    own = faces[0] if len(faces) == 1 else node_side or finer_of(a, b)
+    other = b if own.label == a.label else a
+    simple = other.shape.kind.name in SIMPLE and all(len(cell) <= 4 for cell in own.shape.cells)
+    return chosen or ("nodes" if simple else "areas")
+
+
+def coarse_node_sides(contacts: Mapping[str, DeclaredContact]) -> Iterator[str]:
+    """A warning for each contact of two faces in which the coarser one touches the other."""
+    for name, contact in contacts.items():
+        if all(is_face(one) for one in contact.pair) and contact.node_side is not None:
+            own = contact.node_side
+            other = next(one for one in contact.pair if one.label != own.label)
+            coarse, fine = _mean_area(own.shape), _mean_area(other.shape)
+            if coarse > fine * (1.0 + EQUAL):
+                yield (
+                    f"contact {name!r}: node_side {own.label!r} is the coarser face, with sub-faces of {coarse:.3g} "
+                    f"m^2 on those of {fine:.3g} m^2 of {other.label!r}: pressures come out several times less "
+                    "accurate than with the finer face as node_side, which is the default"
+                )
+
+
+Pair = tuple[int, int]
+
+
+def later_choices(candidates: Sequence[PlacedSurface], allowed: Callable[[Pair], bool]) -> set[Pair]:
+    """Pairs with a face that rules are not for, as the whole surface of its body meets the same partner.
+
+    candidates: the surfaces that rules are for. allowed: whether a contact or a rule is for a pair of them, the earlier
+    first. Whole surfaces come first, then two faces, then a face and a whole surface.
+    """
+    whole = {one.body: k for k, one in enumerate(candidates) if one.label.endswith(WHOLE)}
+    faces: dict[int, list[int]] = {one.body: [] for one in candidates}
+    for k, one in enumerate(candidates):
+        if is_face(one):
+            faces[one.body].append(k)
+
+    def meet(i: int | None, j: int | None) -> bool:
+        if i is None or j is None or candidates[i].body == candidates[j].body:
+            return False
+        return candidates[i].shape.can_touch(candidates[j].shape) and allowed((min(i, j), max(i, j)))
+
+    barred: set[Pair] = set()
+    for k in (k for own in faces.values() for k in own):
+        mine = whole.get(candidates[k].body)
+        for j, other in enumerate(candidates):
+            theirs = whole.get(other.body)
+            if is_face(other):
+                covered = meet(mine, theirs)
+            elif j == theirs:
+                covered = meet(mine, j) or any(meet(k, face) for face in faces[other.body])
+            else:
+                covered = meet(mine, j)
+            if covered:
+                barred.add((min(k, j), max(k, j)))
+    return barred
+
+
+def check_once(contacts: Mapping[str, DeclaredContact]) -> None:
+    """Raise ModelError where a face touches what a face with the same facets, or its whole body, touches as well."""
+    groups: dict[frozenset[int], list[tuple[str, tuple[PlacedSurface, PlacedSurface]]]] = {}
+    for name, contact in contacts.items():
+        groups.setdefault(frozenset(one.body for one in contact.pair), []).append((name, contact.pair))
+    for group in groups.values():
+        if any(is_face(one) for _, pair in group for one in pair):
+            for (name, pair), (other, second) in combinations(group, 2):
+                check_apart(f"contact {name!r}", pair, f"contact {other!r}", second)
+
+
+def check_apart(
+    first: str, pair: tuple[PlacedSurface, PlacedSurface], second: str, other: tuple[PlacedSurface, PlacedSurface]
+) -> None:
+    """Raise ModelError for two contacts with a face that are for the same facets on both sides."""
+    a, b = pair
+    c, d = other if other[0].body == a.body else other[::-1]
+    if any(map(is_face, (a, b, c, d))) and _share(a, c) and _share(b, d):
+        raise ModelError(
+            f"contact: {first} of {a.label!r} and {b.label!r} and {second} of {c.label!r} and {d.label!r} are both for "
+            "the same facets, expected one of them: what touches would count twice (contact_all takes "
+            "exclude=[(body.surface(), other)])"
+        )
+
+
+def _share(a: PlacedSurface, b: PlacedSurface) -> bool:
+    """Whether surfaces of one body are one, or have facets in common: with a face, the whole surface has."""
+    if a.label == b.label:
+        return True
+    if is_face(a) and is_face(b):
+        return not _facets(a).isdisjoint(_facets(b))
+    return any(is_face(one) and other.label.endswith(WHOLE) for one, other in ((a, b), (b, a)))
+
+
+def _facets(surface: PlacedSurface) -> set[frozenset[int]]:
+    """The corners of each facet, by the numbers of nodes of the mesh."""
+    nodes = [point.made_at for point in surface.shape.points]
+    return {frozenset(nodes[k] for k in cell.tolist()) for cell in surface.shape.cells}
