@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.collections import LineCollection
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.colors import ListedColormap, to_rgb
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D

@@ -13,7 +13,7 @@ from lcpflex.results.chart_words import stepper_words, told_apart
 from lcpflex.results.motion_units import scene_size
 from lcpflex.results.spatial.motion_panels import bodies_shown, plot_speeds, plot_spins
 from lcpflex.results.summary import lost_in_contacts
-from lcpflex.results.words import with_unit
+from lcpflex.results.words import prefix_of, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -97,7 +97,7 @@ def _plot_forces(ax: Axes, result: Result, order: IntArray) -> None:
     forces = _told(result, order)
     limit, peaks = shown_forces(forces)
     what = "tangential" if result.force.shape[2] == 2 else "friction"
-    factor, prefix = _prefix(limit)
+    factor, prefix = prefix_of(limit)
     for place, name in enumerate(_names(result, order)):
         colour = _COLOURS[place]
         normal, rubbing = forces[:, place].T / factor
@@ -126,7 +126,7 @@ def _plot_gaps(ax: Axes, result: Result, order: IntArray) -> None:
     gaps = result.gap[:, order]
     largest = float(np.abs(gaps[np.isfinite(gaps)]).max(initial=0.0))
     smallest = _ROUNDING * (scene_size(result) or 0.0)
-    factor, prefix = _prefix(max(largest, smallest) if largest > 0.0 else 0.0)
+    factor, prefix = prefix_of(max(largest, smallest) if largest > 0.0 else 0.0)
     for place, (k, name) in enumerate(zip(order, _names(result, order), strict=True)):
         ax.plot(
             result.times,
@@ -155,7 +155,7 @@ def _plot_energies(ax: Axes, result: Result, order: IntArray) -> None:
         ("lost to damping", energies.damping, "--"),
         ("work of loads", energies.work, ":"),
     )
-    factor, prefix = _prefix(max(float(np.abs(values).max()) for _, values, _ in curves))
+    factor, prefix = prefix_of(max(float(np.abs(values).max()) for _, values, _ in curves))
     for (label, values, style), colour in zip(curves, _COLOURS, strict=True):
         if np.any(values != 0.0):
             ax.plot(result.times, values / factor, color=colour, linestyle=style, linewidth=1.2, label=label)
@@ -207,11 +207,3 @@ def _cut(ax: Axes, result: Result, order: IntArray, limit: float, factor: float)
 
 def _names(result: Result, order: IntArray) -> list[str]:
     return told_apart([result.contact_names[k] for k in order])
-
-
-def _prefix(largest: float) -> tuple[float, str]:
-    """Factor and prefix of the unit in which the largest value reads well."""
-    for factor, prefix in ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ")):
-        if largest >= factor:
-            return factor, prefix
-    return (1e-9, "n") if largest > 0.0 else (1.0, "")

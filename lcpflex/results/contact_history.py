@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,10 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import OPEN, SLIP, STICK, frozen
 from lcpflex.results.contact_patch import areas_of, pressures_of, radii_of
 from lcpflex.results.contact_windows import CLOSED, INSTANTS, ContactWindow, windows_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["CLOSED", "ContactHistory", "ContactPoints", "Event", "untouched"]
 
@@ -193,6 +198,21 @@ class ContactHistory(NamesNearest):
         """
         k = self._nearest(t)
         return pressures_of(self._touching(k), self.name, float(self.times[k]))
+
+    def plot_pressure(self, t: float, axes: Axes | None = None) -> Figure:
+        """Chart of the pressure over the patch at the stored instant nearest to t, seen across its mean normal.
+
+        Each touching point has the cell of what is nearer to it than to others, about as large as its area.
+
+        t: [s], between the first and the last stored instant. axes: of matplotlib, to draw into; a new figure if
+        omitted. Raises ModelError as :meth:`pressure` does.
+        """
+        from lcpflex.results.spatial.pressure_chart import plot_pressure  # which needs matplotlib
+
+        self.pressure(t)  # raises where there is none
+        k = self._nearest(t)
+        points = self._touching(k)
+        return plot_pressure(points.take(np.flatnonzero(points.area > 0.0)), self.name, float(self.times[k]), axes)
 
     @property
     def area(self) -> FloatArray:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.jit.kernel import FloatArray
+    from lcpflex.results.contact_history import ContactPoints
     from lcpflex.results.drawing import View
     from lcpflex.results.result import Result
 
@@ -52,12 +53,12 @@ SEEN = 1e-3  # forces below this share of the usual one are not drawn
 _CORNER = 1e-6  # sides whose distances differ by less meet at the place [m]
 
 
-def usual_force(result: Result) -> float:
-    """Median of all contact forces of a run [N], which sets the scale of its pictures; 0 if there is none.
+def usual_force(points: ContactPoints) -> float:
+    """Median of contact forces of a run [N], which sets the scale of its pictures; 0 if there is none.
 
     Impacts are as large as steps are short: a scale that shows them hides all others.
     """
-    forces = np.linalg.norm(result.contact_points.force, axis=1)
+    forces = np.linalg.norm(points.force, axis=1)
     forces = forces[forces > 0.0]
     return float(np.median(forces)) if forces.size else 0.0
 

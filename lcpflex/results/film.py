@@ -46,17 +46,18 @@ def animate(
     view: Any = None,
     frames: bool = False,
     scale: float = 1.0,
+    pressure: bool = False,
 ) -> Path:
     """Film of the scene: GIF, or MP4 where ffmpeg is installed, by the ending of ``path``.
 
     ``slowdown`` is film time over simulated time; by default the film lasts six seconds. Frames show the stored
     instant nearest to theirs. One scale of forces holds for the whole film, set by their median, for impacts would make
-    all others invisible; longer arrows are cut. view, frames, scale: of spatial scenes, as of
+    all others invisible; longer arrows are cut. view, frames, scale, pressure: of spatial scenes, as of
     :func:`lcpflex.results.plot.draw`; the camera stands still. Raises ModelError for another ending, a missing ffmpeg,
     or an unwritable path.
     """
     compiled = scene_of(result)
-    look = look_of(view, frames, scale, compiled.spatial)
+    look = look_of(view, frames, scale, pressure, compiled.spatial)
     target = writable_path("path", path)
     _check_ending(target)
     fps = in_range("fps", fps, *RATES)

@@ -12,7 +12,8 @@ points, in world axes but for stresses, which are in the axes of the body:
 and of cells ``body``, an index, -1 the ground. ``run_contacts.vtkhdf``, of a scene with contacts, holds the touching
 points of each instant: force (3), on the body of the node side, normal force, tangential force [N], state (0 open,
 1 stick, 2 slip, 3 creep), and ``contact``, an index; in space force and friction force (3) are those on the body of the
-first surface of the contact, and normal (3) is towards it. Names of bodies and contacts in the order of these, and what
+first surface of the contact, and normal (3) is towards it; where forces act on areas, area [m^2] and pressure [Pa], NaN
+of forces that act on none. Names of bodies and contacts in the order of these, and what
 the run was, are attributes of the group ``lcpflex`` of both files.
 """
 
@@ -141,6 +142,10 @@ def _contacts(result: Result, records: IntArray) -> Grid:
     }
     if points.place.shape[1] == 3:
         page |= {"friction force": force[:, 1:], "normal": points.normal[chosen]}
+        if (points.area > 0.0).any():
+            area = points.area[chosen]
+            bare = np.full(len(area), np.nan)  # a force on no area is no pressure
+            page |= {"area": area, "pressure": np.divide(force[:, 0], area, out=bare, where=area > 0.0)}
     else:
         page["tangential force"] = force[:, 1]
     page["state"] = points.state[chosen].astype(np.float64)

@@ -39,7 +39,13 @@ __all__ = ["PlanarPicture", "draw", "picture_of", "scene_of"]
 
 
 def draw(
-    result: Result, t: float, axes: Axes | None = None, view: Any = None, frames: bool = False, scale: float = 1.0
+    result: Result,
+    t: float,
+    axes: Axes | None = None,
+    view: Any = None,
+    frames: bool = False,
+    scale: float = 1.0,
+    pressure: bool = False,
 ) -> Figure:
     """Picture of the scene at the stored instant nearest to ``t`` [s].
 
@@ -56,13 +62,16 @@ def draw(
     grey, on the ground are drawn as they are, of what is much larger than the scene what is near; other planes of the
     ground are translucent. Arrows of forces are in front of all, and are shorter where they point to or from the
     camera. view: elevation and azimuth of the camera [deg]. frames: with the axes of all bodies, x red, y green, z
-    blue. scale: times that deformations are drawn larger.
+    blue. scale: times that deformations are drawn larger. pressure: the areas that forces act on
+    (:meth:`lcpflex.results.contact_history.ContactHistory.pressure`) in colours of their pressures and in front of all,
+    each about as large as it is; other forces stay arrows.
 
-    Raises ModelError for a time outside the simulation and for systems without a scene.
+    Raises ModelError for a time outside the simulation, for systems without a scene, and for pressures of a run in
+    which no force acts on an area.
     """
     compiled = scene_of(result)
     t, given = as_number(t), t
-    look = look_of(view, frames, scale, compiled.spatial)
+    look = look_of(view, frames, scale, pressure, compiled.spatial)
     check_axes(axes)
     if axes is not None and compiled.spatial and axes.name == "3d":
         raise ModelError("axes: 3-D axes were given; expected plain ones, the picture is a projection (view=)")
@@ -95,7 +104,7 @@ class PlanarPicture:
     def __init__(self, result: Result, compiled: CompiledScene, records: IntArray, still: bool) -> None:
         self._result, self._compiled = result, compiled
         self._stars, self._added = stars(compiled), added_surfaces(compiled)
-        self._scale = usual_force(result)  # [N] the force whose arrow has the usual length
+        self._scale = usual_force(result.contact_points)  # [N] the force whose arrow has the usual length
         self.view = view_of(result, compiled, records)
         if still:
             length = usual_length(result, compiled, self.view)

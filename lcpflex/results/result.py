@@ -288,14 +288,22 @@ class Result(NamesNearest):
         return later.plot(self)
 
     def draw(
-        self, t: float, axes: Axes | None = None, *, view: Any = None, frames: bool = False, scale: float = 1.0
+        self,
+        t: float,
+        axes: Axes | None = None,
+        *,
+        view: Any = None,
+        frames: bool = False,
+        scale: float = 1.0,
+        pressure: bool = False,
     ) -> Figure:
         """Picture of the scene at the stored instant nearest to ``t`` [s]: deformed shapes and contact forces.
 
         axes: of matplotlib, to draw into; a new figure if omitted. Of spatial scenes: view: (elevation, azimuth) of the
-        camera [deg]; frames: with axes of bodies; scale: of deformations. See :func:`lcpflex.results.plot.draw`.
+        camera [deg]; frames: with axes of bodies; scale: of deformations; pressure: in colours, in the place of the
+        forces on areas. See :func:`lcpflex.results.plot.draw`.
         """
-        return later.draw(self, t, axes, view, frames, scale)
+        return later.draw(self, t, axes, view, frames, scale, pressure)
 
     def animate(
         self,
@@ -306,13 +314,14 @@ class Result(NamesNearest):
         view: Any = None,
         frames: bool = False,
         scale: float = 1.0,
+        pressure: bool = False,
     ) -> Path:
         """Film of the scene as GIF or, where ffmpeg is installed, MP4. See :func:`lcpflex.results.film.animate`.
 
         path: ends in .gif or .mp4. fps: frames a second of the film. slowdown: seconds of the film a second of
-        the motion; chosen for a film of six seconds if omitted. view, frames, scale: as of :meth:`draw`.
+        the motion; chosen for a film of six seconds if omitted. view, frames, scale, pressure: as of :meth:`draw`.
         """
-        return later.animate(self, path, fps, slowdown, view, frames, scale)
+        return later.animate(self, path, fps, slowdown, view, frames, scale, pressure)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write everything to one file (format: :mod:`lcpflex.results.archive`), all of it or nothing.

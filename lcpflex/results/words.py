@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["SHARED", "counted", "percent", "with_unit"]
+__all__ = ["SHARED", "counted", "percent", "prefix_of", "with_unit"]
 
 SHARED = "share a load in more ways than one"  # of contacts, in notes: their forces are not unique
 
@@ -28,3 +28,11 @@ def with_unit(value: float, unit: str) -> str:
         if size >= 0.9995 * factor:
             return f"{value / factor:.4g} {prefix}{unit}" if not (unit == "s" and factor > 1.0) else f"{value:,.0f} s"
     return f"{value:.1e} {unit}"
+
+
+def prefix_of(largest: float) -> tuple[float, str]:
+    """Factor and prefix of the unit in which the largest value reads well."""
+    for factor, prefix in ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ")):
+        if largest >= factor:
+            return factor, prefix
+    return (1e-9, "n") if largest > 0.0 else (1.0, "")

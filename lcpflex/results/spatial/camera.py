@@ -23,6 +23,7 @@ class Look(NamedTuple):
     view: tuple[float, float]  # elevation, azimuth [deg]
     frames: bool  # of the bodies
     scale: float  # times that deformations are drawn larger
+    pressure: bool = False  # areas in colours in the place of arrows
 
 
 class Camera(NamedTuple):
@@ -40,19 +41,20 @@ class Camera(NamedTuple):
         return np.asarray(places @ np.stack([self.right, self.upward, self.towards], axis=1))
 
 
-def look_of(view: Any, frames: Any, scale: Any, spatial: bool) -> Look:
+def look_of(view: Any, frames: Any, scale: Any, pressure: Any, spatial: bool) -> Look:
     """Options as a user gives them. Raises ModelError for what cannot be, and for those of space in the plane."""
-    shown = flag("frames", frames)
+    shown, coloured = flag("frames", frames), flag("pressure", pressure)
     times = in_range("scale", scale, 0.0, MOST)
     if not spatial:
-        for name, given in (("view", view is not None), ("frames", shown), ("scale", times != 1.0)):
+        others = ("frames", shown), ("scale", times != 1.0), ("pressure", coloured)
+        for name, given in (("view", view is not None), *others):
             if given:
                 raise ModelError(f"{name}: it is for pictures of a SpatialScene, expected none with a planar result")
         return Look(USUAL, False, 1.0)
     if view is None:
-        return Look(USUAL, shown, times)
+        return Look(USUAL, shown, times, coloured)
     elevation, azimuth = array_of("view", view, (2,))
-    return Look((in_range("view[0]", elevation, -90.0, 90.0), float(azimuth)), shown, times)
+    return Look((in_range("view[0]", elevation, -90.0, 90.0), float(azimuth)), shown, times, coloured)
 
 
 def camera_of(view: tuple[float, float], gravity: FloatArray) -> Camera:

@@ -32,18 +32,22 @@ class ContactArrows:
     """Arrows of the contact forces of a run.
 
     An arrow is the force on the body where that touches the ground; where two bodies touch, on the one added later.
-    extents: of the bodies that are drawn [m].
+    extents: of the bodies that are drawn [m]. bare: without those of forces on areas.
     """
 
-    def __init__(self, result: Result, compiled: CompiledScene, extents: Mapping[int, float]) -> None:
-        self._result, self._extents = result, extents
-        self.usual = usual_force(result)  # [N] its arrow has the usual length
+    def __init__(
+        self, result: Result, compiled: CompiledScene, extents: Mapping[int, float], bare: bool = False
+    ) -> None:
+        every = result.contact_points
+        self._points = every.take(np.flatnonzero(every.area <= 0.0)) if bare else every
+        self._extents = extents
+        self.usual = usual_force(self._points)  # [N] its arrow has the usual length
         self._bodies = _bodies_of_contacts(result, compiled)
         self.length = 0.0  # [m] of that arrow
 
     def measure(self, side: float) -> None:
         """Choose the length of arrows for a picture whose longer side is ``side`` [m]."""
-        touching = np.unique(self._bodies[np.unique(self._result.contact_points.contact)])
+        touching = np.unique(self._bodies[np.unique(self._points.contact)])
         sizes = [size for body in touching.tolist() if (size := self._extents.get(body, 0.0)) > 0.0]
         self.length = arrow_length(side, sizes)
 
@@ -51,7 +55,7 @@ class ContactArrows:
         """Those of a stored instant."""
         if self.usual <= 0.0:
             return []
-        points = self._result.contact_points.at(record)
+        points = self._points.at(record)
         first, second = self._bodies[points.contact].T
         vectors = np.where(first > second, 1.0, -1.0)[:, None] * points.vector
         found = []

@@ -8,11 +8,12 @@ import numpy as np
 
 from lcpflex.basics import libs
 from lcpflex.results.drawing import add_line
-from lcpflex.results.drawn_forces import draw_arrows, draw_key
+from lcpflex.results.drawn_forces import FRONT, draw_arrows, draw_key
 from lcpflex.results.spatial.camera import Look, camera_of
 from lcpflex.results.spatial.contact_arrows import ContactArrows
 from lcpflex.results.spatial.floor import AXIS_COLOURS, OUTSIDE, draw_floor, floor_under, scales
 from lcpflex.results.spatial.ground import GROUND_COLOUR, draw_patches, level_under, near_solids, patches
+from lcpflex.results.spatial.pressed_areas import PressedAreas, draw_bar, draw_cells
 from lcpflex.results.spatial.raster import (
     FINER,
     NOBODY,
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 __all__ = ["SpatialPicture"]
 
 _LONGEST = 6.2  # inches of the longer side of a picture
+_BAR, _BAR_SIZE = 1.2, 0.6  # inches beside a picture with a scale of colours, and how much of its height that has
 _PIXELS = 200  # an inch of a single picture; films have those of the screen
 _ROOM = 0.03  # around what is drawn, relative to the longer side
 _LIGHT = np.array([-0.30, 0.55, 0.78])  # right, up, towards the viewer
@@ -59,7 +61,9 @@ class SpatialPicture:
         self._scenery = Scenery(compiled)
         self._camera = camera_of(look.view, compiled.model.loads.gravity)
         self._pixels: tuple[int, int] | None = None
-        self._arrows = ContactArrows(result, compiled, {one.body: one.extent for one in self._scenery.drawn})
+        extents = {one.body: one.extent for one in self._scenery.drawn}
+        self._arrows = ContactArrows(result, compiled, extents, look.pressure)
+        self._pressed = PressedAreas(result, records) if look.pressure else None
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
         sights = np.array([[np.inf] * 2, [-np.inf] * 2])
         records = records[:: max(1, len(records) // _RECORDS)]
@@ -115,7 +119,8 @@ class SpatialPicture:
         """Inches."""
         width, height = self.view[1] - self.view[0], self.view[3] - self.view[2]
         scale = _LONGEST / max(width, height)
-        return max(scale * width, 3.0) + 0.2, max(scale * height, 2.0) + 0.4
+        beside = 0.2 if self._pressed is None else _BAR
+        return max(scale * width, 3.0) + beside, max(scale * height, 2.0) + 0.4
 
     def words(self) -> str:
         """What has to be said about it, behind the time."""
@@ -131,6 +136,8 @@ class SpatialPicture:
         a_pixel = max((self.view[1] - self.view[0]) / box.width, (self.view[3] - self.view[2]) / box.height)
         draw_floor(ax, self.floor, self._camera, a_pixel * ax.figure.dpi / 72.0)
         draw_patches(ax, self._patches, self._camera)
+        if self._pressed is not None:
+            draw_bar(ax, self._pressed.colours, _BAR_SIZE)
         draw_key(ax, self.view, self._arrows.length, self._arrows.usual)
 
     def fit(self, ax: Axes) -> None:
@@ -154,6 +161,9 @@ class SpatialPicture:
 
     def _draw_forces(self, ax: Axes, record: int) -> None:
         """In front of all: a contact is between bodies, where nothing of it is seen."""
+        if self._pressed is not None:
+            cells, pressures = self._pressed.at(record)
+            draw_cells(ax, [self._camera.seen(cell)[:, :2] for cell in cells], pressures, self._pressed.colours, FRONT)
         if self._arrows.usual <= 0.0:
             return
         found = [

@@ -268,13 +268,16 @@ def run_faces() -> list[Face]:
         ("contact", {"name": "floor"}),
         ("point", {"body": "disc", "point": "center"}),
         ("velocity", {"body": "disc", "point": "center"}),
-        ("draw", {"t": 0.0, "frames": False, "scale": 1.0}),
+        ("draw", {"t": 0.0, "frames": False, "scale": 1.0, "pressure": False}),
         ("save", {"path": "unused.npz"}),
         ("to_vtkhdf", {"path": "unused.vtkhdf", "stress": False, "every": 2}),
         ("modes_of", {"body": "disc"}),
         ("at", {"t": 0.0015, "before": True}),
         ("angle", {"body": "disc", "relative_to": "box"}),
-        ("animate", {"path": "film.gif", "fps": 1.0, "slowdown": 100.0, "frames": False, "scale": 1.0}),
+        (
+            "animate",
+            {"path": "film.gif", "fps": 1.0, "slowdown": 100.0, "frames": False, "scale": 1.0, "pressure": False},
+        ),
     ]
     of_rest = [
         ("contact", {"name": "floor"}),

@@ -126,6 +126,7 @@ def spatial_parts_faces() -> list[Face]:
         told("orientation", body="ball"),
         told("angular_velocity", body="ball", axes="body"),
         Face("ContactHistory.pressure", ContactHistory.pressure, lambda: {"t": 0.0}, never),
+        Face("ContactHistory.plot_pressure", ContactHistory.plot_pressure, lambda: {"t": 0.0}, never),
         Face("SpatialScene", lf.SpatialScene, dict),
         Face("SpatialScene.add", lf.SpatialScene.add, lambda: {"body": lf.Sphere(0.1, mass=1.0)}, lf.SpatialScene),
         Face("SpatialScene.add flexible", lf.SpatialScene.add, lambda: {"body": _solid(), "modes": 2}, lf.SpatialScene),
