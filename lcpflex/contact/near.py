@@ -10,7 +10,7 @@ import numpy as np
 from lcpflex.contact.detection import ContactTable, detect
 from lcpflex.contact.rows import contact_rows
 from lcpflex.contact.rule_pairs import rule_pairs
-from lcpflex.contact.table import most_corners, table_maker
+from lcpflex.contact.table import room_in_space, table_maker
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Contacts, Model
 from lcpflex.model.layout import is_spatial
@@ -22,9 +22,9 @@ def near(model: Any, q: FloatArray, margin: float) -> tuple[Any, int]:
     """Pairs with gaps up to ``margin`` [m], in a packed model, and how many they are."""
     capacity = 64
     pairs = rule_pairs(model.contacts)
-    make, corners = table_maker(is_spatial(model)), most_corners(model.contacts)
+    make, room = table_maker(is_spatial(model)), room_in_space(model.contacts)
     while True:
-        table = make(capacity, len(model.contacts.surface_body), pairs=pairs, touching=-math.inf, corners=corners)
+        table = make(capacity, len(model.contacts.surface_body), pairs=pairs, touching=-math.inf, **room)
         found = int(detect(model, q, margin, table))
         if found <= capacity:
             return table, found

@@ -22,6 +22,7 @@ __all__ = [
     "contact_table",
     "entry_of",
     "most_corners",
+    "room_in_space",
     "table_maker",
     "weight_of",
 ]
@@ -65,10 +66,11 @@ def contact_table(
     pairs: RulePairs | None = None,
     touching: float = math.inf,
     corners: int = 0,
+    faces: Any = None,
 ) -> ContactTable:
     """An empty table for ``capacity`` contacts between ``n_surfaces`` surfaces (those of the model it is used with).
 
-    pairs: of the rule of that model, where it has one. corners: of a patch, which there is in space alone.
+    pairs: of the rule of that model, where it has one. corners, faces: of what there is in space alone.
     """
     sizes = {"contacts": capacity, "surfaces": n_surfaces}
     return allocate(
@@ -79,6 +81,15 @@ def contact_table(
         pairs=no_pairs() if pairs is None else pairs,
         touching=touching,
     )
+
+
+def room_in_space(contacts: Any) -> dict[str, Any]:
+    """What a table of a model has besides, by the names that :func:`table_maker` takes; nothing in the plane."""
+    if not hasattr(contacts, "sample_start"):
+        return {}
+    from lcpflex.contact.spatial.faces.memory import face_sizes
+
+    return {"corners": most_corners(contacts), "faces": face_sizes(contacts)}
 
 
 def most_corners(contacts: Any) -> int:

@@ -56,7 +56,7 @@ def compliant_contacts(
     history: ContactMemory,
     dof: IntArray,
     pattern: JointPattern,
-    surfaces: tuple[int, int],
+    surfaces: tuple[int, dict[str, Any]],
     factors: Arrow,
     dense: FloatArray,
     capacity: int,
@@ -64,7 +64,7 @@ def compliant_contacts(
 ) -> CompliantContacts:
     """Allocate for ``capacity`` of the declared contacts with these ``laws``; None: rigid.
 
-    surfaces: how many there are, and the corners that a patch of two of them has at most.
+    surfaces: how many there are, and what a table has for them besides (:func:`lcpflex.contact.table.room_in_space`).
     """
     compliant = [int(law is not None) for law in laws]
     ndof, width = (int(dof[-1]), int(np.max(np.diff(dof), initial=1))) if any(compliant) else (0, 1)
@@ -76,8 +76,8 @@ def compliant_contacts(
     vector = 3 if in_space else 1  # numbers of a friction force that are kept from step to step: world axes
     sizes |= {"tangents": (each - 1) * capacity, "forces": each, "known": 1 + vector, "lasting": 2 + vector}
     sizes |= {"states": 4 if in_space else 2}
-    n_surfaces, corners = surfaces if any(compliant) else (0, 0)
-    table: Any = table_maker(in_space)(capacity, n_surfaces, compliant, COMPLIANT, corners=corners)
+    n_surfaces, room = surfaces if any(compliant) else (0, {})
+    table: Any = table_maker(in_space)(capacity, n_surfaces, compliant, COMPLIANT, **room)
     rows = allocate(
         SpatialRows if in_space else Rows,
         sizes | {"white": 0},

@@ -33,6 +33,7 @@ __all__ = [
     "SpatialPointTable",
     "SpatialPoints",
     "bodiless_spatial_model",
+    "material_points",
     "no_spatial_contacts",
 ]
 
@@ -78,6 +79,23 @@ class SpatialPoints(NamedTuple):
     start: IntArray  # (np + 1,) offsets into phi and psi
     phi: FloatArray  # (total, 3) displacement of each mode of the body
     psi: FloatArray  # (total, 3) small rotation of the material at the point, of each mode
+
+
+def material_points(
+    body: npt.ArrayLike, place: npt.ArrayLike, start: npt.ArrayLike, phi: npt.ArrayLike, psi: npt.ArrayLike
+) -> SpatialPoints:
+    """Points of these arrays, copied where they have other types.
+
+    They can be written to, and so be points that a kernel makes: of one type for all that take points. Nobody writes to
+    those of a model.
+    """
+    return SpatialPoints(
+        body=np.array(body, np.int64),
+        place=np.array(place, np.float64).reshape(-1, 3),
+        start=np.array(start, np.int64),
+        phi=np.array(phi, np.float64).reshape(-1, 3),
+        psi=np.array(psi, np.float64).reshape(-1, 3),
+    )
 
 
 class SpatialJoints(NamedTuple):
@@ -173,6 +191,19 @@ class SpatialContacts(NamedTuple):
     ridge_start: IntArray = NO_OFFSETS  # (ns + 1,) offsets into the edges between two polygons
     ridge_edge: IntArray = NO_NUMBERS  # (ridges,) feature
     ridge_polygon: IntArray = frozen([], np.int64, columns=2)  # (ridges, 2) beside it
+    # open faces of solids; see compile.spatial.face_areas
+    cell_start: IntArray = NO_OFFSETS  # (cells + 1,) offsets into the next
+    cell_point: IntArray = NO_NUMBERS  # material points of each face of an element
+    feature_cell: IntArray = NO_NUMBERS  # (features,) the one that a facet is a part of; -1: it is one itself
+    # (nodes,) area that the force on a node is shared out over [m^2]; 0 where it makes no pressure
+    node_area: FloatArray = NO_VALUES
+    area_start: IntArray = NO_OFFSETS  # (nodes + 1,) offsets into the next two
+    area_sample: IntArray = NO_NUMBERS  # samples that a node is the mean of
+    area_share: FloatArray = NO_VALUES  # [m^2] of them in it
+    sample_start: IntArray = NO_OFFSETS  # (samples + 1,) offsets into the next two
+    sample_point: IntArray = NO_NUMBERS  # material points that make a sample
+    sample_weight: FloatArray = NO_VALUES
+    sample_normal: FloatArray = frozen([], columns=3)  # (samples, 3) outward, undeformed, body frame
 
 
 def no_spatial_contacts() -> SpatialContacts:
@@ -262,7 +293,7 @@ def bodiless_spatial_model(
     )
     return SpatialModel(
         bodies=body,
-        points=SpatialPoints(none, three, few, three, three),
+        points=material_points(none, three, few, three, three),
         signals=empty(Signals),
         joints=SpatialJoints(pairs, frozen([0, n_joint], np.int64), none, three, three, three, real, none),
         loads=SpatialLoads(
@@ -297,11 +328,11 @@ class SpatialPointTable:
         return len(self._body) - 1
 
     def compile(self) -> SpatialPoints:
-        """All points so far as read-only arrays."""
-        return SpatialPoints(
-            body=frozen(self._body, np.int64),
-            place=frozen(np.reshape(self._place, (-1, 3))),
-            start=frozen(self._start, np.int64),
-            phi=frozen(np.concatenate([np.zeros((0, 3)), *self._phi])),
-            psi=frozen(np.concatenate([np.zeros((0, 3)), *self._psi])),
+        """All points so far."""
+        return material_points(
+            self._body,
+            np.reshape(self._place, (-1, 3)),
+            self._start,
+            np.concatenate([np.zeros((0, 3)), *self._phi]),
+            np.concatenate([np.zeros((0, 3)), *self._psi]),
         )

@@ -11,7 +11,7 @@ import numpy as np
 
 from lcpflex.contact.detection import ALL, RIGID, ContactTable
 from lcpflex.contact.rule_pairs import RulePairs, give_laws, make_room, rule_pairs
-from lcpflex.contact.table import most_corners, table_maker
+from lcpflex.contact.table import room_in_space, table_maker
 from lcpflex.contact.thickness import farthest, surface_thickness, thinnest
 from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.compliant_contacts import CompliantContacts, compliant_contacts, sufficient_capacity
@@ -156,8 +156,8 @@ class System:
         pairs: RulePairs | None = None,
         touching: float = math.inf,
     ) -> Any:
-        make, corners = table_maker(is_spatial(self.model)), most_corners(self.model.contacts)
-        return make(capacity, self.n_surfaces, laws, collects, pairs, touching, corners)
+        make, room = table_maker(is_spatial(self.model)), room_in_space(self.model.contacts)
+        return make(capacity, self.n_surfaces, laws, collects, pairs, touching, **room)
 
     def _by_law(self, values: tuple[int, ...]) -> tuple[int, ...]:
         """With a 0 for the rule and each pair of it."""
@@ -180,7 +180,7 @@ class System:
         history, dof, arrow, dense = shared
         room = sufficient_capacity(contacts, rows) if capacity is None else capacity
         in_space = is_spatial(self.model)
-        surfaces = self.n_surfaces, most_corners(contacts)
+        surfaces = self.n_surfaces, room_in_space(contacts)
         made = compliant_contacts(rows, history, dof, self.pattern, surfaces, arrow, dense, room, in_space)
         self.tell_surfaces(made.rows.table)
         return made

@@ -29,6 +29,7 @@ __all__ = [
     "EDGED",
     "EDGES",
     "FACE",
+    "FACES",
     "MESH",
     "MESHES",
     "NO_POINTS",
@@ -94,8 +95,8 @@ RIM_POINTS = 8  # of each rim, on which a cylinder or disc stands on a plane; on
 # what a pass looks at: nodes against all, against all but points; edges; nodes against all. Of the second and the last,
 # the nodes of the other surface and the edges of both are looked at, too: what a node stands for is itself alone
 # CONVEX: all of two convex bodies, MESHES: of other surfaces of triangles, whichever is the node side; CORNERS, within
-# that: nodes where sharp edges end, against all
-ALL_FEATURES, NO_POINTS, EDGES, TWO_SIDED, CONVEX, MESHES, CORNERS = range(7)
+# that: nodes where sharp edges end, against all; FACES: nodes or areas of an open face on the faces of what has some
+ALL_FEATURES, NO_POINTS, EDGES, TWO_SIDED, CONVEX, MESHES, CORNERS, FACES = range(8)
 
 
 class Pass(NamedTuple):
@@ -159,11 +160,20 @@ class SpatialSurface:
 
         node_side: the one that was chosen.
         """
+        if SpatialKind.FACE in (self.kind, other.kind):
+            return (_face_pass((self, other), node_side),)
         codes = CODES[self.kind], CODES[other.kind]
         whole = (self.kind, other.kind) in (ON_CYLINDER, ON_CYLINDER[::-1]) or are_convex(codes)
         if node_side is not None and not whole:  # else edges touch, too, in any case
             return (Pass(node_side, 1 - node_side),)
         return passes_of(codes, self.deforms or other.deforms, (len(self.points), len(other.points)))
+
+
+def _face_pass(pair: tuple[SpatialSurface, SpatialSurface], node_side: int | None) -> Pass:
+    """What is looked at between two surfaces of which one is a face, or both: then the node side is known."""
+    own = int(pair[0].kind is not SpatialKind.FACE) if node_side is None else node_side
+    faced = pair[1 - own].kind in (SpatialKind.FACE, SpatialKind.POLYHEDRON, SpatialKind.MESH)
+    return Pass(own, 1 - own, FACES if faced else ALL_FEATURES)
 
 
 def are_convex(kinds: tuple[int, int]) -> bool:

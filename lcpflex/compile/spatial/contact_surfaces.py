@@ -7,9 +7,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from lcpflex.bodies.fem.faces import flat_facets
 from lcpflex.bodies.spatial.surface import RIM_POINTS, RIMMED, SpatialKind, SpatialSurface
 from lcpflex.compile.spatial.features import Feature
 from lcpflex.compile.spatial.mesh_features import mesh_features
+from lcpflex.contact.spatial.faces.feet import ROUND
 from lcpflex.contact.spatial.kinds import CAP, EDGE, FACET, PLANE, POINT, RIM, SIDE
 from lcpflex.jit.kernel import FloatArray
 
@@ -51,7 +53,21 @@ def features_of(surface: SpatialSurface, indices: Sequence[int], first: int) -> 
         ends = [Feature(CAP, flat, radius, depth=half) for flat in flats]
         chords = [Feature(EDGE, (a, b, a)) for ring in around for a, b in zip(ring, ring[1:] + ring[:1], strict=True)]
         return [*rims, Feature(SIDE, (low, high, low), radius, depth=radius), *ends, *chords]
+    if kind is SpatialKind.FACE:
+        return _face_features(surface, indices)
     return mesh_features(surface, indices, first) if kind in MESHES else []
+
+
+def _face_features(surface: SpatialSurface, indices: Sequence[int]) -> list[Feature]:
+    """Plane parts of the faces of elements, which belong to it as deep as half of its size."""
+    places = np.array([point.place for point in surface.points])
+    depth = 0.5 * float(np.linalg.norm(np.ptp(places, axis=0)))
+    found = []
+    for number, cell in enumerate(surface.cells):
+        for corners in flat_facets(np.asarray(cell)[None]).tolist():
+            a, b, c = (indices[k] for k in corners)
+            found.append(Feature(FACET, (a, b, c), depth=depth, cell=number))
+    return found
 
 
 def _around(indices: Sequence[int], end: int) -> list[int]:
@@ -72,6 +88,8 @@ def boxes_of(features: Sequence[Feature], places: Mapping[int, FloatArray]) -> t
             n = np.cross(corners[1] - corners[0], corners[2] - corners[0])
             corners = np.vstack([corners, corners - f.depth * n / np.linalg.norm(n)])
         beside = math.inf if f.radius < 0.0 or f.kind == PLANE else f.radius
+        if f.cell >= 0:
+            beside = ROUND * float(np.ptp(corners[:3], axis=0).max())
         lower[k], upper[k] = corners.min(axis=0) - beside, corners.max(axis=0) + beside
     return lower, upper
 

@@ -9,12 +9,12 @@ import numpy as np
 
 from lcpflex.bodies.spatial.surface import CODES, RANKS, Pass, SpatialKind
 from lcpflex.compile.spatial.assembly import SpatialAssembly
-from lcpflex.compile.spatial.contact_surfaces import bounds_of, boxes_of, deflections, features_of, nodes_of
+from lcpflex.compile.spatial.contact_sides import Carrying, Side, carrying_of, side_of, sides_of_contact
+from lcpflex.compile.spatial.contact_surfaces import bounds_of, boxes_of, deflections, features_of
 from lcpflex.compile.spatial.feature_tree import FeatureTree, tree_of
 from lcpflex.compile.spatial.features import Feature
-from lcpflex.compile.spatial.mesh_features import node_facings, node_normals
 from lcpflex.compile.spatial.polygons import Polygon, polygons_of
-from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.kernel import IntArray
 from lcpflex.model.arrays import frozen
 from lcpflex.model.spatial import SpatialContacts, no_spatial_contacts
 from lcpflex.scene.contact_rules import KeptRule
@@ -35,26 +35,26 @@ def compile_spatial_contacts(
 
     ``rule``: one that is not listed; its contacts come after so many of the ``declared``.
     """
-    used = {s.label: s for s in (*(rule.surfaces if rule else ()), *surfaces)}
-    for contact in declared.values():
-        used.update((s.label, s) for s in contact.pair)
+    used = {side.key: side for side in map(side_of, (*(rule.surfaces if rule else ()), *surfaces))}
+    pairs = [sides_of_contact(contact) for contact in declared.values()]
+    used.update((side.key, side) for pair in pairs for side in pair)
     if not used:
         return no_spatial_contacts()
-    number = {label: k for k, label in enumerate(used)}
-    shapes = [surface.shape for surface in used.values()]
+    number = {key: k for k, key in enumerate(used)}
+    shapes = [side.surface.shape for side in used.values()]
     parts = _parts(list(used.values()), assembly)
     spheres = np.array([bounds_of(shape) for shape in shapes])
     passes = [
-        (number[contact.pair[one.node_side].label], number[contact.pair[one.touched].label], one.mode, law)
-        for law, contact in enumerate(declared.values())
+        (number[pair[one.node_side].key], number[pair[one.touched].key], one.mode, law)
+        for law, (contact, pair) in enumerate(zip(declared.values(), pairs, strict=True))
         for one in _passes(contact)
     ]
-    sides = [[number[side.label] for side in contact.pair] for contact in declared.values()]
+    sides = [[number[side.key] for side in pair] for pair in pairs]
     laws = np.array([(c.friction, c.restitution, c.tangential_restitution) for c in declared.values()]).reshape(-1, 3)
     ints = np.int64
     contacts = no_spatial_contacts()._replace(
         surface_kind=frozen([CODES[shape.kind] for shape in shapes], ints),
-        surface_body=frozen([surface.body for surface in used.values()], ints),
+        surface_body=frozen([side.surface.body for side in used.values()], ints),
         surface_center=frozen(spheres[:, :3], columns=3),
         surface_extent=frozen(spheres[:, 3]),
         surface_deflection=frozen(deflections(shapes)),
@@ -96,32 +96,28 @@ def _passes(contact: DeclaredContact) -> tuple[Pass, ...]:
     return passes
 
 
-def _parts(surfaces: Sequence[PlacedSurface], assembly: SpatialAssembly) -> dict[str, Any]:
+def _parts(sides: Sequence[Side], assembly: SpatialAssembly) -> dict[str, Any]:
     """Nodes and features of the surfaces, and the boxes about these."""
-    nodes: list[tuple[int, float]] = []
-    normals: list[FloatArray] = []
-    facings: list[FloatArray] = []
+    nodes: list[Carrying] = []
     features: list[Feature] = []
     trees: list[FeatureTree] = []
     node_start, feature_start = [0], [0]
     faces: list[list[Polygon]] = []  # of each surface
-    for surface in surfaces:
+    cells: list[list[int]] = []
+    for side in sides:
+        surface = side.surface
         indices = [assembly.point(surface.body, point) for point in surface.shape.points]
         own = features_of(surface.shape, indices, len(features))
         place = dict(zip(indices, (point.place for point in surface.shape.points), strict=True))
         trees.append(tree_of(*boxes_of(own, place)))
-        features += own
+        features += [f._replace(cell=f.cell + len(cells)) if f.cell >= 0 else f for f in own]
+        cells += [[indices[k] for k in cell] for cell in surface.shape.cells]
         faces.append([])
         if surface.shape.kind is SpatialKind.POLYHEDRON:
             more, faces[-1] = polygons_of(surface.shape, indices, own, feature_start[-1], sum(map(len, faces)))
             features += more
-        carrying = nodes_of(surface.shape, indices)
-        round_ones = surface.shape.radius > 0.0 or not len(surface.shape.triangles)
-        own_normals = np.zeros((len(carrying), 3)) if round_ones else node_normals(surface.shape)
-        normals.append(own_normals)
-        facings.append(np.zeros(len(carrying)) if round_ones else node_facings(surface.shape, own_normals))
-        nodes += carrying
-        node_start.append(len(nodes))
+        nodes.append(carrying_of(side, indices, assembly))
+        node_start.append(node_start[-1] + len(nodes[-1].points))
         feature_start.append(len(features))
     boxes = np.cumsum([0, *(len(tree.skip) for tree in trees)])
     listed = np.cumsum([0, *(len(tree.order) for tree in trees)])  # polygons are in no box
@@ -129,10 +125,10 @@ def _parts(surfaces: Sequence[PlacedSurface], assembly: SpatialAssembly) -> dict
     fans = [f.fan for f in features]
     return {
         "node_start": frozen(node_start, ints),
-        "node_point": frozen([point for point, _ in nodes], ints),
-        "node_radius": frozen([radius for _, radius in nodes]),
-        "node_normal": frozen(np.concatenate(normals), columns=3),
-        "node_facing": frozen(np.concatenate(facings)),
+        "node_point": frozen([point for one in nodes for point in one.points], ints),
+        "node_radius": frozen(np.concatenate([one.radii for one in nodes])),
+        "node_normal": frozen(np.concatenate([one.normals for one in nodes]), columns=3),
+        "node_facing": frozen(np.concatenate([one.facings for one in nodes])),
         "feature_start": frozen(feature_start, ints),
         "feature_kind": frozen([f.kind for f in features], ints),
         "feature_point": frozen([f.points for f in features], ints, columns=3),
@@ -147,6 +143,28 @@ def _parts(surfaces: Sequence[PlacedSurface], assembly: SpatialAssembly) -> dict
         "box_leaf": frozen(_shifted([tree.leaf for tree in trees], listed), ints, columns=2),
         "box_feature": frozen(_shifted([tree.order for tree in trees], feature_start), ints),
         **_polygons(faces, node_start),
+        **(_faces(nodes, cells, features) if cells else {}),
+    }
+
+
+def _faces(nodes: Sequence[Carrying], cells: Sequence[Sequence[int]], features: Sequence[Feature]) -> dict[str, Any]:
+    """Faces of elements, and the samples that nodes and areas of open faces are means of."""
+    ints = np.int64
+    firsts = np.cumsum([0, *(len(one.samples) for one in nodes)])
+    of_nodes = [own + first for one, first in zip(nodes, firsts[:-1], strict=True) for own in one.areas]
+    samples = [sample for one in nodes for sample in one.samples]
+    return {
+        "cell_start": frozen(np.cumsum([0, *map(len, cells)]), ints),
+        "cell_point": frozen([point for cell in cells for point in cell], ints),
+        "feature_cell": frozen([f.cell for f in features], ints),
+        "node_area": frozen(np.concatenate([one.pressed for one in nodes])),
+        "area_start": frozen(np.cumsum([0, *map(len, of_nodes)]), ints),
+        "area_sample": frozen(np.concatenate([*of_nodes, np.zeros(0, ints)]), ints),
+        "area_share": frozen(np.concatenate([*(share for one in nodes for share in one.shares), np.zeros(0)])),
+        "sample_start": frozen(np.cumsum([0, *(len(points) for points, _ in samples)]), ints),
+        "sample_point": frozen(np.concatenate([*(points for points, _ in samples), np.zeros(0, ints)]), ints),
+        "sample_weight": frozen(np.concatenate([*(weights for _, weights in samples), np.zeros(0)])),
+        "sample_normal": frozen(np.concatenate([one.outward for one in nodes]), columns=3),
     }
 
 

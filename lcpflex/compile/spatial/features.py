@@ -17,3 +17,4 @@ class Feature(NamedTuple):
     depth: float = math.inf
     neighbour: tuple[int, int, int] = (-1, -1, -1)  # of facets across their hollow sides; of edges both facets, sharp?
     fan: tuple[int, ...] = ()  # of vertices: the points at the other ends of their edges
+    cell: int = -1  # of facets: which face of an element of an open face they are a part of; -1: themselves

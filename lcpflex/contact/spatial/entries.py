@@ -53,6 +53,7 @@ def load_pair(
     table.sense[k] = 1.0
     table.weight[k] = 1.0
     table.area[k] = 0.0
+    table.averaged[k] = 0
     table.facing[k] = 0.0
     table.foot[k, 0] = 0.0
     table.foot[k, 1] = 0.0
@@ -75,6 +76,8 @@ def load_node(model: SpatialModel, table: SpatialContactTable, k: int, law: int,
     table.radius[k, 0] = c.node_radius[node]
     table.radius[k, 1] = c.feature_radius[f]
     table.sense[k] = 1.0 if c.feature_radius[f] >= 0.0 else -1.0
+    if len(c.node_area) > 0:
+        table.area[k] = c.node_area[node]
 
 
 @kernel

@@ -60,6 +60,7 @@ from lcpflex.contact.spatial.table import (
     RIM_RIM,
     SpatialContactTable,
     by_cylinder,
+    points_of,
     with_edge,
 )
 from lcpflex.jit.kernel import FloatArray, kernel
@@ -84,7 +85,7 @@ __all__ = [
 def refresh(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> None:
     """Gap, normal, tangent and foot of entry k at q, with its features kept."""
     if table.kind[k] == NODE_FACET and table.body[k, 1] < 0:
-        refresh_over_ground(model.points, q, frame_of(model.bodies, q, table.body[k, 0]), table, k)
+        refresh_over_ground(points_of(model, table, k), q, frame_of(model.bodies, q, table.body[k, 0]), table, k)
     else:
         locate(model, q, table, k)
 
@@ -92,7 +93,7 @@ def refresh(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: i
 @kernel
 def locate(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> None:
     """The same of an entry that detection has just made: planes of the ground have no normal yet."""
-    points = model.points
+    points = points_of(model, table, k)
     kind = table.kind[k]
     i = frame_of(model.bodies, q, table.body[k, 0])
     j = frame_of(model.bodies, q, table.body[k, 1])
@@ -136,7 +137,7 @@ def contact_rows(
 
     Blocks for body i and body j; a block on the ground is 0.
     """
-    points, first, second = model.points, tangents[0], tangents[1]
+    points, first, second = points_of(model, table, k), tangents[0], tangents[1]
     n, t = row_vector(table.normal, k), row_vector(table.tangent, k)
     for side in range(2):
         b = table.body[k, side]
@@ -241,7 +242,7 @@ def contact_bias(
     Over a plane of the ground nothing turns but a rigid body with its lever, whose rate has no part at udot = 0: the
     most frequent pair, and the cheapest.
     """
-    bodies, points = model.bodies, model.points
+    bodies, points = model.bodies, points_of(model, table, k)
     n, t = row_vector(table.normal, k), row_vector(table.tangent, k)
     i, j = table.body[k, 0], table.body[k, 1]
     if table.kind[k] == NODE_FACET and j < 0 and i >= 0 and is_rigid(points, table.point[k, 0]):
@@ -282,7 +283,7 @@ def contact_bias(
 @kernel
 def normal_rate(model: SpatialModel, q: FloatArray, u: FloatArray, table: SpatialContactTable, k: int) -> Vector:
     """ndot of entry k [1/s], world axes."""
-    bodies, points = model.bodies, model.points
+    bodies, points = model.bodies, points_of(model, table, k)
     n, t = row_vector(table.normal, k), row_vector(table.tangent, k)
     i, j = table.body[k, 0], table.body[k, 1]
     frames = (frame_of(bodies, q, i), frame_of(bodies, q, j))
@@ -300,7 +301,7 @@ def normal_rate(model: SpatialModel, q: FloatArray, u: FloatArray, table: Spatia
 @kernel
 def gap_rate(model: SpatialModel, q: FloatArray, u: FloatArray, table: SpatialContactTable, k: int) -> float:
     """Rate of the gap of entry k [m/s]."""
-    bodies, points = model.bodies, model.points
+    bodies, points = model.bodies, points_of(model, table, k)
     n = row_vector(table.normal, k)
     rate = 0.0
     i, j = table.body[k, 0], table.body[k, 1]
@@ -323,8 +324,9 @@ def gap_rate(model: SpatialModel, q: FloatArray, u: FloatArray, table: SpatialCo
 def contact_point(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> Vector:
     """Where entry k touches [m], world axes: the point of body i nearest to the feature of body j."""
     frame = frame_of(model.bodies, q, table.body[k, 0])
-    place = world_place(frame, mean_place(model.points, q, frame, mean_on_i(table, k)))
-    return added(place, lever_on_i(model.points, q, frame, table, k, row_vector(table.normal, k)))
+    points = points_of(model, table, k)
+    place = world_place(frame, mean_place(points, q, frame, mean_on_i(table, k)))
+    return added(place, lever_on_i(points, q, frame, table, k, row_vector(table.normal, k)))
 
 
 @kernel

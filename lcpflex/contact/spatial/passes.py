@@ -6,12 +6,13 @@ renewed by :func:`lcpflex.contact.spatial.pairs.refresh`, with the features kept
 
 from __future__ import annotations
 
-from lcpflex.bodies.spatial.surface import CONVEX, CYLINDER, EDGES, MESHES, RIM_POINTS, TWO_SIDED
+from lcpflex.bodies.spatial.surface import CONVEX, CYLINDER, EDGES, FACES, MESHES, RIM_POINTS, TWO_SIDED
 from lcpflex.contact.spatial.bounds import plane_vector, set_over_plane
 from lcpflex.contact.spatial.cylinder_edge_pass import edges_on_cylinder
 from lcpflex.contact.spatial.cylinder_pass import nodes_on_cylinder
 from lcpflex.contact.spatial.edge_pass import edges_on_edges
 from lcpflex.contact.spatial.entries import load_node, load_rim
+from lcpflex.contact.spatial.faces.detection import faces_touch
 from lcpflex.contact.spatial.kinds import PLANE, POINT, RIM
 from lcpflex.contact.spatial.manifold.cylinder_on_hull import cylinder_touches
 from lcpflex.contact.spatial.manifold.cylinders import cylinders_touch
@@ -146,6 +147,8 @@ def detect_pass(
     c = model.contacts
     if mode == CONVEX:
         return bodies_touch(model, q, margin, table, a, b, law, n)
+    if mode == FACES:
+        return faces_touch(model, q, margin, table, a, b, law, n)
     if mode == MESHES:
         return meshes_touch(model, q, margin, table, a, b, law, n)
     if mode == EDGES and c.feature_kind[c.feature_start[b]] == RIM:

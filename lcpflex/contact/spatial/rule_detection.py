@@ -11,6 +11,9 @@ from lcpflex.bodies.spatial.surface import (
     CYLINDER,
     EDGED,
     EDGES,
+    FACE,
+    FACES,
+    MESH,
     MESHES,
     NO_POINTS,
     POLYHEDRON,
@@ -32,6 +35,21 @@ EDGED_KINDS = np.array(EDGED)
 
 
 @kernel
+def detect_face(
+    model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, n: int
+) -> int:
+    """The same of two surfaces of which one is a face, or both: then that with more nodes touches the other."""
+    c = model.contacts
+    if c.surface_kind[a] != FACE:
+        a, b = b, a
+    other = c.surface_kind[b]
+    if other == FACE and c.node_start[b + 1] - c.node_start[b] > c.node_start[a + 1] - c.node_start[a]:
+        a, b = b, a
+    mode = FACES if other in (FACE, POLYHEDRON, MESH) else ALL_FEATURES
+    return detect_pass(model, q, margin, table, a, b, law, mode, n)
+
+
+@kernel
 def detect_between(
     model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, n: int
 ) -> int:
@@ -42,6 +60,8 @@ def detect_between(
     kind_a, kind_b = c.surface_kind[a], c.surface_kind[b]
     if not near_surfaces(model, q, table, a, b, margin):
         return n
+    if kind_a == FACE or kind_b == FACE:
+        return detect_face(model, q, margin, table, a, b, law, n)
     if kind_a in (CYLINDER, POLYHEDRON) and kind_b in (CYLINDER, POLYHEDRON):
         return detect_pass(model, q, margin, table, a, b, law, CONVEX, n)
     if are_meshes(model, a, b):

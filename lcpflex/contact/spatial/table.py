@@ -25,10 +25,12 @@ from typing import Any
 import numpy as np
 
 from lcpflex.contact.rule_pairs import RulePairs, no_pairs
+from lcpflex.contact.spatial.faces.memory import FaceMemory, FaceSizes, copy_means, face_memory, mean_of
 from lcpflex.contact.table import ALL
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.model.arrays import frozen
+from lcpflex.model.spatial import SpatialModel, SpatialPoints
 
 __all__ = [
     "EDGE_CAP",
@@ -47,6 +49,7 @@ __all__ = [
     "SpatialContactTable",
     "by_cylinder",
     "copy_entry",
+    "points_of",
     "with_edge",
     "side_of",
     "spatial_contact_table",
@@ -94,6 +97,7 @@ class SpatialContactTable:
     weight: FloatArray = array("contacts")
     # common area that the force of the entry acts on [m^2]; 0 where a force is no pressure
     area: FloatArray = array("contacts")
+    averaged: IntArray = array("contacts")  # 1: its material points are means, of ``faces``, else those of the model
     # of nodes: least cosine of their outward normal and that of j, reversed; of a rim in a patch: the angle of the
     facing: FloatArray = array("contacts")  # place that touches where it lies flat [rad]
     # xi^1, xi^2 in a facet; s on an edge; s and t of two edges; s on an edge, and which half of a rim or end it meets;
@@ -114,6 +118,7 @@ class SpatialContactTable:
     collects: int
     seams: int  # 1: what bodies have on an edge of one alone, beyond two of its faces at once, is no contact
     pairs: RulePairs
+    faces: FaceMemory
     touching: float
 
 
@@ -125,10 +130,12 @@ def spatial_contact_table(
     pairs: RulePairs | None = None,
     touching: float = math.inf,
     corners: int = 0,
+    faces: FaceSizes | None = None,
 ) -> SpatialContactTable:
     """An empty table for ``capacity`` contacts between ``n_surfaces`` surfaces (those of the model it is used with).
 
-    pairs: of the rule of that model, where it has one. corners: that a patch of that model has, at most.
+    pairs: of the rule of that model, where it has one. corners: that a patch of that model has, at most. faces: what
+    open faces of that model need.
     """
     return allocate(
         SpatialContactTable,
@@ -138,8 +145,17 @@ def spatial_contact_table(
         owner=np.zeros(0, np.int64),
         collects=collects,
         pairs=no_pairs() if pairs is None else pairs,
+        faces=face_memory(capacity, faces),
         touching=touching,
     )
+
+
+@kernel
+def points_of(model: SpatialModel, table: SpatialContactTable, k: int) -> SpatialPoints:
+    """What the material points of entry k are numbers of."""
+    if table.averaged[k] == 1:
+        return table.faces.means
+    return model.points
 
 
 @kernel
@@ -155,8 +171,13 @@ def copy_entry(source: SpatialContactTable, i: int, target: SpatialContactTable,
     target.facing[j] = source.facing[i]
     target.gap[j] = source.gap[i]
     target.along[j] = source.along[i]
+    target.averaged[j] = source.averaged[i]
     for c in range(5):
         target.point[j, c] = source.point[i, c]
+    if source.averaged[i] == 1:
+        copy_means(source.faces, i, target.faces, j)
+        for c in range(5):
+            target.point[j, c] = mean_of(j, c % 4)
     for c in range(3):
         target.radius[j, c] = source.radius[i, c]
         target.normal[j, c] = source.normal[i, c]

@@ -188,6 +188,8 @@ def within_circle(model: SpatialModel, q: FloatArray, frame: Frame, f: int, plac
 def margin_on_j(model: SpatialModel, q: FloatArray, i: Frame, j: Frame, table: SpatialContactTable, k: int) -> float:
     """How far the foot of entry k is inside the feature of body j."""
     c = model.contacts
+    if table.averaged[k] == 1:
+        return math.inf  # means have feet on many faces
     f = table.key[k] % len(c.feature_kind)
     if table.kind[k] == EDGE_EDGE:
         return crossed_within(model, q, j, f, table.foot[k, 1], row_vector(table.normal, k))

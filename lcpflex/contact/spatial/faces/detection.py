@@ -1,0 +1,91 @@
+"""What the nodes or areas of a face of a solid have with the faces of another surface."""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.contact.spatial.entries import load_node
+from lcpflex.contact.spatial.faces.feet import find_foot, place_of
+from lcpflex.contact.spatial.faces.means import common_area, forget, gap_of_means, lay_means, weigh
+from lcpflex.contact.spatial.faces.memory import mean_of
+from lcpflex.contact.spatial.narrow_phase.sides import Frame, frame_of, seen_from, world_place
+from lcpflex.contact.spatial.pairs import locate
+from lcpflex.contact.spatial.table import NODE_FACET, SpatialContactTable
+from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.spatial.vectors import added, row_vector, scaled, turned, turned_back
+from lcpflex.model.spatial import SpatialModel
+
+__all__ = ["faces_touch"]
+
+LEAST = 1e-3  # of an area that must be common: what is less hangs on a sample at its rim, and would be no mean
+BESIDE = 2.0  # lengths of an area: how far above the margin one of its samples may be, if the mean is within it
+
+
+@kernel
+def find_feet(
+    model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, i: Frame, j: Frame, b: int, node: int
+) -> None:
+    """Feet of the samples of a node on surface b, of those that are not known yet."""
+    c, memory = model.contacts, table.faces
+    for at in range(c.area_start[node], c.area_start[node + 1]):
+        s = c.area_sample[at]
+        if memory.tried[s] == memory.search:
+            continue
+        own = (0.0, 0.0, 0.0)
+        for k in range(c.sample_start[s], c.sample_start[s + 1]):
+            own = added(own, scaled(c.sample_weight[k], place_of(model, q, memory, i, c.sample_point[k])))
+        outward = turned_back(j.A, turned(i.A, row_vector(c.sample_normal, s)))
+        find_foot(model, q, margin, table, j, b, s, seen_from(j, world_place(i, own)), outward)
+
+
+@kernel
+def load_means(
+    model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int, law: int, node: int, b: int, count: int,
+    area: float,
+) -> None:  # fmt: skip
+    """Entry k, of a node or area with surface b: that of the means weighed last."""
+    c = model.contacts
+    load_node(model, table, k, law, NODE_FACET, node, c.feature_start[b])
+    lay_means(model, table.faces, count, k, (table.body[k, 0], table.body[k, 1]), area)
+    table.averaged[k] = 1
+    table.area[k] = area if c.node_area[node] > 0.0 else 0.0
+    for v in range(4):
+        table.point[k, v] = mean_of(k, v)
+    table.point[k, 4] = mean_of(k, 0)
+    locate(model, q, table, k)
+
+
+@kernel
+def whole_area(model: SpatialModel, node: int) -> float:
+    """Of all samples of a node [m^2]."""
+    c = model.contacts
+    total = 0.0
+    for at in range(c.area_start[node], c.area_start[node + 1]):
+        total += c.area_share[at]
+    return total
+
+
+@kernel
+def faces_touch(
+    model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, n: int
+) -> int:
+    """Contacts of the nodes or areas of face a with surface b, from entry n on; the new count."""
+    c, memory = model.contacts, table.faces
+    i, j = frame_of(model.bodies, q, c.surface_body[a]), frame_of(model.bodies, q, c.surface_body[b])
+    memory.search += 1
+    largest = 0.0
+    for node in range(c.node_start[a], c.node_start[a + 1]):
+        largest = max(largest, whole_area(model, node))
+    wide = margin + BESIDE * math.sqrt(largest)
+    for node in range(c.node_start[a], c.node_start[a + 1]):
+        find_feet(model, q, wide, table, i, j, b, node)
+        area = common_area(model, memory, node)
+        if not area > LEAST * whole_area(model, node):
+            continue
+        count = weigh(model, q, memory, j, node, area)
+        if gap_of_means(memory, count, i, j) <= margin:
+            if n < len(table.key):
+                load_means(model, q, table, n, law, node, b, count, area)
+            n += 1
+        forget(memory, count)
+    return n

@@ -1,0 +1,163 @@
+"""The means that make a contact of a node or an area of one face with the faces of another surface.
+
+With the shares c_s of its samples that have a foot, sum c_s = 1, and the directions d_a in the middle of the contact,
+
+    S = sum_s c_s r_s,   M = sum_s c_s sum_i N_i r_i,   T_a = sum_s c_s P_s d_a,
+    P_s d = (r_,1 r_,2) A^-1 (r_,1 r_,2)^T d,   A_ab = r_,a . r_,b
+
+The gap is that of S over the plane through M along T_1 and T_2, in which feet may lie beside M: an area of one body
+slides over one of the other as a node does over a facet. All are weighted sums of nodes, so they are material points:
+rows, rates and biases are those of any others. On flat faces this is the mean of the gaps and rows of all samples, on
+curved ones with an error of second order of the turn of the normal within the contact. Source: Wohlmuth 2011 (mortar
+methods for contact; dual multipliers are not used, as hats keep multipliers positive).
+"""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.contact.spatial.faces.feet import cell_point, lay_cell, tangents
+from lcpflex.contact.spatial.faces.memory import FaceMemory, begin_mean, mean_of
+from lcpflex.contact.spatial.faces.shapes import lay_shapes
+from lcpflex.contact.spatial.narrow_phase.sides import Frame, seen_from, world_place
+from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.spatial.rotations import Vector, cross
+from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, row_vector, scaled
+from lcpflex.model.spatial import N_RIGID, SpatialModel
+
+__all__ = ["common_area", "forget", "gap_of_means", "lay_means", "weigh"]
+
+S, M, T1, T2 = range(4)  # columns of the weights
+
+
+@kernel
+def add_weight(memory: FaceMemory, p: int, column: int, weight: float, count: int) -> int:
+    """Add a weight of material point p; how many points have some."""
+    w = memory.weight
+    if w[p, 0] == 0.0 and w[p, 1] == 0.0 and w[p, 2] == 0.0 and w[p, 3] == 0.0:
+        known = False
+        for i in range(count):
+            known = known or memory.listed[i] == p
+        if not known:
+            memory.listed[count] = p
+            count += 1
+    w[p, column] += weight
+    return count
+
+
+@kernel
+def forget(memory: FaceMemory, count: int) -> None:
+    """Clear the weights of the listed points."""
+    for i in range(count):
+        for column in range(4):
+            memory.weight[memory.listed[i], column] = 0.0
+
+
+@kernel
+def common_area(model: SpatialModel, memory: FaceMemory, node: int) -> float:
+    """Of the samples of a node that have a foot [m^2]."""
+    c = model.contacts
+    total = 0.0
+    for at in range(c.area_start[node], c.area_start[node + 1]):
+        if memory.foot_on[c.area_sample[at]] >= 0:
+            total += c.area_share[at]
+    return total
+
+
+@kernel
+def directions(model: SpatialModel, memory: FaceMemory, node: int) -> tuple[Vector, Vector]:
+    """Two unit vectors across the mean normal of the feet, the first along that axis of the body farthest from it."""
+    c = model.contacts
+    n = (0.0, 0.0, 0.0)
+    for at in range(c.area_start[node], c.area_start[node + 1]):
+        s = c.area_sample[at]
+        if memory.foot_on[s] >= 0:
+            row = memory.foot[s]
+            n = added(n, scaled(c.area_share[at], (row[3], row[4], row[5])))
+    n = scaled(1.0 / norm(n), n)
+    x, y, z = abs(n[0]), abs(n[1]), abs(n[2])
+    axis = (1.0, 0.0, 0.0) if x <= y and x <= z else ((0.0, 1.0, 0.0) if y <= z else (0.0, 0.0, 1.0))
+    d = apart_from(axis, scaled(dot(n, axis), n))
+    d = scaled(1.0 / norm(d), d)
+    return d, cross(n, d)
+
+
+@kernel
+def part_of(a: Vector, e: Vector, f: Vector) -> tuple[float, float]:
+    """Coefficients of the projection of a on the plane of e and f, by these."""
+    ee, ef, ff = dot(e, e), dot(e, f), dot(f, f)
+    area = ee * ff - ef * ef
+    along_e, along_f = dot(a, e), dot(a, f)
+    return (ff * along_e - ef * along_f) / area, (ee * along_f - ef * along_e) / area
+
+
+@kernel
+def weigh(model: SpatialModel, q: FloatArray, memory: FaceMemory, frame: Frame, node: int, area: float) -> int:
+    """Weights of all material points in the means of a node; how many points there are. ``frame``: of the master."""
+    c = model.contacts
+    first, second = directions(model, memory, node)
+    count = 0
+    for at in range(c.area_start[node], c.area_start[node + 1]):
+        s = c.area_sample[at]
+        if memory.foot_on[s] < 0:
+            continue
+        share = c.area_share[at] / area
+        for k in range(c.sample_start[s], c.sample_start[s + 1]):
+            count = add_weight(memory, c.sample_point[k], S, share * c.sample_weight[k], count)
+        f = memory.foot_on[s]
+        nodes = lay_cell(model, q, memory, frame, f)
+        lay_shapes(nodes, memory.foot[s, 0], memory.foot[s, 1], memory.shape)
+        e, g = tangents(memory, nodes)
+        a, b = part_of(first, e, g), part_of(second, e, g)
+        for i in range(nodes):
+            p = cell_point(model, f, i)
+            shape, by_x, by_y = memory.shape[i, 0], memory.shape[i, 1], memory.shape[i, 2]
+            count = add_weight(memory, p, M, share * shape, count)
+            count = add_weight(memory, p, T1, share * (a[0] * by_x + a[1] * by_y), count)
+            count = add_weight(memory, p, T2, share * (b[0] * by_x + b[1] * by_y), count)
+    return count
+
+
+@kernel
+def summed(memory: FaceMemory, count: int, column: int) -> Vector:
+    """Sum of the places of the listed points, by a column of weights; in the frame of their body."""
+    total = (0.0, 0.0, 0.0)
+    for i in range(count):
+        p = memory.listed[i]
+        total = added(total, scaled(memory.weight[p, column], row_vector(memory.place, p)))
+    return total
+
+
+@kernel
+def gap_of_means(memory: FaceMemory, count: int, i: Frame, j: Frame) -> float:
+    """Of S over the plane of the master [m]."""
+    n = cross(summed(memory, count, T1), summed(memory, count, T2))
+    slave = seen_from(j, world_place(i, summed(memory, count, S)))
+    return dot(n, apart_from(slave, summed(memory, count, M))) / norm(n)
+
+
+@kernel
+def lay_means(
+    model: SpatialModel, memory: FaceMemory, count: int, k: int, bodies: tuple[int, int], area: float
+) -> None:
+    """The four material points of entry k: S, and M, M + l T_1 and M + l T_2 with the length l of the area."""
+    size = math.sqrt(area)
+    for which in range(4):
+        body = bodies[0] if which == 0 else bodies[1]
+        modes = 0
+        if body >= 0:
+            modes = model.bodies.dof[body + 1] - model.bodies.dof[body] - N_RIGID
+        first = begin_mean(memory, k, which, body, modes)
+        place = memory.means.place[mean_of(k, which)]
+        for at in range(count):
+            p = memory.listed[at]
+            weight = memory.weight[p, min(which, 1)]
+            if which >= 2:
+                weight += size * memory.weight[p, which]
+            if weight != 0.0:
+                for c in range(3):
+                    place[c] += weight * model.points.place[p, c]
+                start = model.points.start[p]
+                for m in range(model.points.start[p + 1] - start):
+                    for c in range(3):
+                        memory.means.phi[first + m, c] += weight * model.points.phi[start + m, c]

@@ -1,0 +1,107 @@
+"""Material points that detection makes for the contacts of faces, and its scratch.
+
+A contact of two faces is one of means: of the slave, of the feet of it on the master, and of the tangents there. Each
+mean is a material point, as its place and its modes are those of nodes, weighted. An entry k of a table has four, which
+stand where no other entry has its own: S of the slave, and a, b, c, through which the plane of the master goes.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.struct import allocate, array, pack, struct
+from lcpflex.model.spatial import SpatialPoints, material_points
+
+__all__ = ["FaceMemory", "FaceSizes", "copy_means", "face_memory", "face_sizes", "mean_of"]
+
+MEANS = 4  # material points of an entry
+EACH = 2  # numbers of points that one takes: what offsets of modes begin at the one behind it is no point
+
+
+@struct
+class FaceMemory:
+    """Means of the entries of a table, and what the search of feet works with.
+
+    ``means`` is like the points of a model, and kernels take it in their place.
+    """
+
+    means: SpatialPoints
+    modes: int  # rows of the modes of a mean
+    search: int  # number of the present one: what is known of it has this number
+    known: IntArray = array("points")  # number of the search in which a place was found
+    place: FloatArray = array("points", 3)  # of the material points of the model, deformed, in the frame of their body
+    foot_on: IntArray = array("samples")  # feature of the foot of each sample; -1: none
+    foot: FloatArray = array(
+        "samples", 7
+    )  # its coordinates on the face, the gap, the normal in the frame of the master
+    tried: IntArray = array("samples")  # number of the search in which it was looked for
+    listed: IntArray = array("points")  # points that have a part in the present mean
+    weight: FloatArray = array("points", 4)  # their weights: in S, and in the foot and both tangents of the master
+    shape: FloatArray = array(9, 3)
+    corner: FloatArray = array(9, 3)
+
+
+class FaceSizes(dict[str, int]):
+    """How much memory the faces of a model need, by the names of dimensions; nothing where it has none."""
+
+
+def face_sizes(contacts: Any) -> FaceSizes:
+    """Of the contacts of a model."""
+    samples = len(contacts.sample_start) - 1 if hasattr(contacts, "sample_start") else 0
+    if samples <= 0:
+        return FaceSizes(points=0, samples=0, modes=0)
+    used = [contacts.node_point, contacts.feature_point.ravel(), contacts.cell_point, contacts.sample_point]
+    points = 1 + max(int(np.max(some, initial=-1)) for some in used)
+    return FaceSizes(points=points, samples=samples, modes=contacts.surface_deflection.shape[1])
+
+
+def face_memory(capacity: int, sizes: FaceSizes | None = None) -> FaceMemory:
+    """For a table of ``capacity`` entries."""
+    sizes = sizes or FaceSizes(points=0, samples=0, modes=0)
+    entries = capacity if sizes["samples"] else 0
+    count, modes = MEANS * EACH * entries, sizes["modes"]
+    start = np.zeros(count + 1, np.int64)
+    flat = np.zeros((MEANS * entries * modes, 3))
+    means = material_points(np.zeros(count, np.int64), np.zeros((count, 3)), start, flat, flat.copy())
+    made: FaceMemory = allocate(FaceMemory, sizes, means=pack(means), modes=modes)
+    return made
+
+
+@kernel
+def mean_of(k: int, which: int) -> int:
+    """The material point that is mean ``which`` of entry k."""
+    return MEANS * EACH * k + EACH * which
+
+
+@kernel
+def begin_mean(memory: FaceMemory, k: int, which: int, body: int, modes: int) -> int:
+    """Make a mean of a body with so many modes, at 0, and not moving; the first of the rows of its modes."""
+    means = memory.means
+    p = mean_of(k, which)
+    first = (MEANS * k + which) * memory.modes
+    means.body[p] = body
+    means.start[p] = first
+    means.start[p + 1] = first + modes
+    for c in range(3):
+        means.place[p, c] = 0.0
+    for i in range(first, first + modes):
+        for c in range(3):
+            means.phi[i, c] = 0.0
+    return first
+
+
+@kernel
+def copy_means(source: FaceMemory, i: int, target: FaceMemory, j: int) -> None:
+    """The means of entry i of one table become those of entry j of another (or the same)."""
+    for which in range(MEANS):
+        p = mean_of(i, which)
+        modes = source.means.start[p + 1] - source.means.start[p]
+        first = begin_mean(target, j, which, source.means.body[p], modes)
+        start = source.means.start[p]
+        for c in range(3):
+            target.means.place[mean_of(j, which), c] = source.means.place[p, c]
+            for m in range(modes):
+                target.means.phi[first + m, c] = source.means.phi[start + m, c]
