@@ -14,7 +14,7 @@ from lcpflex.compile.spatial.contact_surfaces import bounds_of, boxes_of, deflec
 from lcpflex.compile.spatial.feature_tree import FeatureTree, tree_of
 from lcpflex.compile.spatial.features import Feature
 from lcpflex.compile.spatial.polygons import Polygon, polygons_of
-from lcpflex.jit.kernel import IntArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import frozen
 from lcpflex.model.spatial import SpatialContacts, no_spatial_contacts
 from lcpflex.scene.contact_rules import KeptRule
@@ -158,6 +158,7 @@ def _faces(nodes: Sequence[Carrying], cells: Sequence[Sequence[int]], features: 
         "cell_point": frozen([point for cell in cells for point in cell], ints),
         "feature_cell": frozen([f.cell for f in features], ints),
         "node_area": frozen(np.concatenate([one.pressed for one in nodes])),
+        "node_share": frozen(np.concatenate([_parts_of_face(one) for one in nodes])),
         "area_start": frozen(np.cumsum([0, *map(len, of_nodes)]), ints),
         "area_sample": frozen(np.concatenate([*of_nodes, np.zeros(0, ints)]), ints),
         "area_share": frozen(np.concatenate([*(share for one in nodes for share in one.shares), np.zeros(0)])),
@@ -166,6 +167,14 @@ def _faces(nodes: Sequence[Carrying], cells: Sequence[Sequence[int]], features: 
         "sample_weight": frozen(np.concatenate([*(weights for _, weights in samples), np.zeros(0)])),
         "sample_normal": frozen(np.concatenate([one.outward for one in nodes]), columns=3),
     }
+
+
+def _parts_of_face(carrying: Carrying) -> FloatArray:
+    """What part of a face is about each of its nodes, so that a law is that of all of it; 1 of other nodes."""
+    if not carrying.shares:
+        return np.ones(len(carrying.points))
+    own = np.array([share.sum() for share in carrying.shares])
+    return np.asarray(own / own.sum())
 
 
 def _polygons(faces: Sequence[Sequence[Polygon]], node_start: Sequence[int]) -> dict[str, Any]:

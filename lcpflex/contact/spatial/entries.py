@@ -78,6 +78,7 @@ def load_node(model: SpatialModel, table: SpatialContactTable, k: int, law: int,
     table.sense[k] = 1.0 if c.feature_radius[f] >= 0.0 else -1.0
     if len(c.node_area) > 0:
         table.area[k] = c.node_area[node]
+        table.weight[k] = c.node_share[node]
 
 
 @kernel

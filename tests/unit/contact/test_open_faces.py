@@ -198,3 +198,12 @@ def test_what_is_beyond_the_rim_is_not_in_the_common_area(by: str) -> None:
         np.testing.assert_allclose(table.area[:n].sum(), 0.3 * 0.1875, rtol=1e-12)  # the rim is between two elements
     assert 0 < n < len(face_parts(grid(9, 8, 0.3), by).points)
     np.testing.assert_allclose(table.gap[:n], 1e-5, atol=1e-16)
+
+
+@pytest.mark.filterwarnings("ignore:.*is the coarser face:lcpflex.ModelWarning")
+@pytest.mark.parametrize("by", [AREAS, NODES])
+@pytest.mark.parametrize("nodes", REFERENCE)
+def test_the_parts_of_a_face_make_one_law(nodes: int, by: str) -> None:
+    """So that a law of a contact is that of the whole face, whatever its mesh."""
+    _, table, n, _ = touching(grid(nodes, 3, 0.3), grid(4, 3, 0.3), by)
+    np.testing.assert_allclose(table.weight[:n].sum(), 1.0, rtol=1e-12)

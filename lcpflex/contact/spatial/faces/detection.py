@@ -39,6 +39,16 @@ def find_feet(
 
 
 @kernel
+def whole_area(model: SpatialModel, node: int) -> float:
+    """Of all samples of a node [m^2]."""
+    c = model.contacts
+    total = 0.0
+    for at in range(c.area_start[node], c.area_start[node + 1]):
+        total += c.area_share[at]
+    return total
+
+
+@kernel
 def load_means(
     model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int, law: int, node: int, b: int, count: int,
     area: float,
@@ -48,21 +58,13 @@ def load_means(
     load_node(model, table, k, law, NODE_FACET, node, c.feature_start[b])
     lay_means(model, table.faces, count, k, (table.body[k, 0], table.body[k, 1]), area)
     table.averaged[k] = 1
-    table.area[k] = area if c.node_area[node] > 0.0 else 0.0
+    part = area / whole_area(model, node)
+    table.area[k] = part * c.node_area[node]
+    table.weight[k] *= part
     for v in range(4):
         table.point[k, v] = mean_of(k, v)
     table.point[k, 4] = mean_of(k, 0)
     locate(model, q, table, k)
-
-
-@kernel
-def whole_area(model: SpatialModel, node: int) -> float:
-    """Of all samples of a node [m^2]."""
-    c = model.contacts
-    total = 0.0
-    for at in range(c.area_start[node], c.area_start[node + 1]):
-        total += c.area_share[at]
-    return total
 
 
 @kernel
@@ -82,7 +84,7 @@ def faces_touch(
         area = common_area(model, memory, node)
         if not area > LEAST * whole_area(model, node):
             continue
-        count = weigh(model, q, memory, j, node, area)
+        count = weigh(model, memory, node, area)
         if gap_of_means(memory, count, i, j) <= margin:
             if n < len(table.key):
                 load_means(model, q, table, n, law, node, b, count, area)

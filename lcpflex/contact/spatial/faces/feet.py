@@ -18,15 +18,17 @@ from lcpflex.contact.spatial.narrow_phase.sides import Frame, place_in
 from lcpflex.contact.spatial.table import SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
-from lcpflex.kinematics.spatial.vectors import apart_from, dot, norm, row_vector, scaled
+from lcpflex.kinematics.spatial.vectors import NOTHING, apart_from, dot, norm, row_vector, scaled
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["find_foot", "lay_cell", "place_of", "tangents"]
+__all__ = ["cell_point", "cell_size", "find_foot", "place_of"]
 
 STEPS = 12  # of Gauss-Newton: it gains two digits each where a gap is a hundredth of the radius of a face
 SETTLED = 1e-13  # change of the coordinates that ends it
 OUTSIDE = 1e-6  # of the reference face: how far beside it a foot may be, where rounding puts one of equal faces
 FACING = -0.1  # cosine of the normals of what may touch, at most: faces that stand across each other do not
+CLOSE = 0.5  # of the width of a face: a sample that is so near one has its foot there
+BESIDE = 0.5  # of a facet: how far beside it a place may be that has a foot on the curved face that it is a part of
 ROUND = 0.1  # of a facet: how far a curved face may bulge out of its plane parts
 
 
@@ -34,10 +36,13 @@ class Foot(NamedTuple):
     """On a face of an element."""
 
     inside: bool
-    x: float
-    y: float
     gap: float  # [m]
-    normal: Vector  # in the frame of the face
+    normal: Vector  # in the frame of the body
+    e: Vector  # r_,1 there
+    f: Vector
+
+
+NOWHERE = Foot(False, math.inf, NOTHING, NOTHING, NOTHING)
 
 
 @kernel
@@ -107,30 +112,62 @@ def project(memory: FaceMemory, nodes: int, place: Vector) -> Foot:
         ee, ef, ff = dot(e, e), dot(e, f), dot(f, f)
         area = ee * ff - ef * ef
         if not area > 0.0:
-            return Foot(False, x, y, math.inf, e)
+            return NOWHERE
         a, b = dot(e, d), dot(f, d)
         dx, dy = (ff * a - ef * b) / area, (ee * b - ef * a) / area
         x, y = x + dx, y + dy
         if abs(x) + abs(y) > 10.0:
-            return Foot(False, x, y, math.inf, e)
+            return NOWHERE
         if abs(dx) + abs(dy) <= SETTLED or nodes == 3:
             break
     if not is_inside(nodes, x, y, OUTSIDE):
-        return Foot(False, x, y, math.inf, place)
+        return NOWHERE
     lay_shapes(nodes, x, y, memory.shape)
     e, f = tangents(memory, nodes)
     n = cross(e, f)
     n = scaled(1.0 / norm(n), n)
-    return Foot(True, x, y, dot(n, apart_from(place, combined(memory, nodes, 0))), n)
+    return Foot(True, dot(n, apart_from(place, combined(memory, nodes, 0))), n, e, f)
 
 
 @kernel
-def keep_foot(memory: FaceMemory, sample: int, f: int, foot: Foot) -> None:
-    """The foot of a sample on the face of facet f."""
+def keep_foot(memory: FaceMemory, sample: int, f: int, nodes: int, foot: Foot) -> None:
+    """The foot of a sample on the face of facet f, which was projected on last."""
     memory.foot_on[sample] = f
-    row = memory.foot[sample]
-    row[0], row[1], row[2] = foot.x, foot.y, foot.gap
-    row[3], row[4], row[5] = foot.normal
+    memory.gap[sample] = foot.gap
+    for c in range(3):
+        memory.normal[sample, c] = foot.normal[c]
+        memory.along[sample, 0, c] = foot.e[c]
+        memory.along[sample, 1, c] = foot.f[c]
+    for i in range(nodes):
+        for c in range(3):
+            memory.at_foot[sample, i, c] = memory.shape[i, c]
+
+
+@kernel
+def accepted(foot: Foot, outward: Vector, margin: float) -> bool:
+    """Whether a foot is one of a sample with this outward normal, at most ``margin`` below it."""
+    return foot.inside and foot.gap <= margin and dot(foot.normal, outward) <= FACING
+
+
+@kernel
+def width(memory: FaceMemory) -> float:
+    """Length of the first side of the face laid last [m]."""
+    return norm(apart_from(row_vector(memory.corner, 1), row_vector(memory.corner, 0)))
+
+
+@kernel
+def is_over(model: SpatialModel, q: FloatArray, memory: FaceMemory, frame: Frame, f: int, place: Vector) -> bool:
+    """Whether a place is over or below a plane facet, or not far beside it: a curved face may have its foot there."""
+    point = model.contacts.feature_point
+    a = place_of(model, q, memory, frame, point[f, 0])
+    e = apart_from(place_of(model, q, memory, frame, point[f, 1]), a)
+    g = apart_from(place_of(model, q, memory, frame, point[f, 2]), a)
+    d = apart_from(place, a)
+    ee, eg, gg = dot(e, e), dot(e, g), dot(g, g)
+    area = ee * gg - eg * eg
+    x, y = gg * dot(e, d) - eg * dot(g, d), ee * dot(g, d) - eg * dot(e, d)
+    slack = BESIDE * area
+    return x >= -slack and y >= -slack and x + y <= area + slack
 
 
 @kernel
@@ -140,10 +177,18 @@ def find_foot(
 ) -> None:  # fmt: skip
     """The foot of a sample on surface b, at most ``margin`` below it, kept in the memory of faces.
 
-    place, outward: of the sample and its normal in the frame of b.
+    place, outward: of the sample and its normal in the frame of b. Where the face of the last one has one that is
+    nearer than that face is large, no other can have a nearer one.
     """
     c, memory = model.contacts, table.faces
     memory.tried[sample] = memory.search
+    f = memory.foot_on[sample]
+    if f >= c.feature_start[b] and f < c.feature_start[b + 1]:
+        nodes = lay_cell(model, q, memory, frame, f)
+        foot = project(memory, nodes, place)
+        if accepted(foot, outward, margin) and abs(foot.gap) <= CLOSE * width(memory):
+            keep_foot(memory, sample, f, nodes, foot)
+            return
     memory.foot_on[sample] = -1
     near = margin + table.bound[b, 3]
     least, last = math.inf, -2
@@ -161,10 +206,12 @@ def find_foot(
             cell = c.feature_cell[f]
             if c.feature_kind[f] != FACET or (cell >= 0 and cell == last):
                 continue
+            if not is_over(model, q, memory, frame, f, place):
+                continue
             last = cell
-            foot = project(memory, lay_cell(model, q, memory, frame, f), place)
-            faces = foot.inside and dot(foot.normal, outward) <= FACING
-            if faces and foot.gap <= margin and foot.gap >= -c.feature_depth[f] and abs(foot.gap) < least:
+            nodes = lay_cell(model, q, memory, frame, f)
+            foot = project(memory, nodes, place)
+            if accepted(foot, outward, margin) and foot.gap >= -c.feature_depth[f] and abs(foot.gap) < least:
                 least = abs(foot.gap)
-                keep_foot(memory, sample, f, foot)
+                keep_foot(memory, sample, f, nodes, foot)
         box += 1

@@ -16,11 +16,10 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.spatial.faces.feet import cell_point, lay_cell, tangents
+from lcpflex.contact.spatial.faces.feet import cell_point, cell_size
 from lcpflex.contact.spatial.faces.memory import FaceMemory, begin_mean, mean_of
-from lcpflex.contact.spatial.faces.shapes import lay_shapes
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, seen_from, world_place
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, row_vector, scaled
 from lcpflex.model.spatial import N_RIGID, SpatialModel
@@ -72,8 +71,7 @@ def directions(model: SpatialModel, memory: FaceMemory, node: int) -> tuple[Vect
     for at in range(c.area_start[node], c.area_start[node + 1]):
         s = c.area_sample[at]
         if memory.foot_on[s] >= 0:
-            row = memory.foot[s]
-            n = added(n, scaled(c.area_share[at], (row[3], row[4], row[5])))
+            n = added(n, scaled(c.area_share[at], row_vector(memory.normal, s)))
     n = scaled(1.0 / norm(n), n)
     x, y, z = abs(n[0]), abs(n[1]), abs(n[2])
     axis = (1.0, 0.0, 0.0) if x <= y and x <= z else ((0.0, 1.0, 0.0) if y <= z else (0.0, 0.0, 1.0))
@@ -92,8 +90,8 @@ def part_of(a: Vector, e: Vector, f: Vector) -> tuple[float, float]:
 
 
 @kernel
-def weigh(model: SpatialModel, q: FloatArray, memory: FaceMemory, frame: Frame, node: int, area: float) -> int:
-    """Weights of all material points in the means of a node; how many points there are. ``frame``: of the master."""
+def weigh(model: SpatialModel, memory: FaceMemory, node: int, area: float) -> int:
+    """Weights of all material points in the means of a node; how many points there are."""
     c = model.contacts
     first, second = directions(model, memory, node)
     count = 0
@@ -105,13 +103,11 @@ def weigh(model: SpatialModel, q: FloatArray, memory: FaceMemory, frame: Frame, 
         for k in range(c.sample_start[s], c.sample_start[s + 1]):
             count = add_weight(memory, c.sample_point[k], S, share * c.sample_weight[k], count)
         f = memory.foot_on[s]
-        nodes = lay_cell(model, q, memory, frame, f)
-        lay_shapes(nodes, memory.foot[s, 0], memory.foot[s, 1], memory.shape)
-        e, g = tangents(memory, nodes)
+        e, g = row_vector(memory.along[s], 0), row_vector(memory.along[s], 1)
         a, b = part_of(first, e, g), part_of(second, e, g)
-        for i in range(nodes):
+        for i in range(cell_size(model, f)):
             p = cell_point(model, f, i)
-            shape, by_x, by_y = memory.shape[i, 0], memory.shape[i, 1], memory.shape[i, 2]
+            shape, by_x, by_y = memory.at_foot[s, i, 0], memory.at_foot[s, i, 1], memory.at_foot[s, i, 2]
             count = add_weight(memory, p, M, share * shape, count)
             count = add_weight(memory, p, T1, share * (a[0] * by_x + a[1] * by_y), count)
             count = add_weight(memory, p, T2, share * (b[0] * by_x + b[1] * by_y), count)

@@ -34,9 +34,10 @@ class FaceMemory:
     known: IntArray = array("points")  # number of the search in which a place was found
     place: FloatArray = array("points", 3)  # of the material points of the model, deformed, in the frame of their body
     foot_on: IntArray = array("samples")  # feature of the foot of each sample; -1: none
-    foot: FloatArray = array(
-        "samples", 7
-    )  # its coordinates on the face, the gap, the normal in the frame of the master
+    gap: FloatArray = array("samples")  # there [m]
+    normal: FloatArray = array("samples", 3)  # and the normal, in the frame of the body of the face
+    along: FloatArray = array("samples", 2, 3)  # and the tangents r_,1 and r_,2
+    at_foot: FloatArray = array("samples", 9, 3)  # and the shape functions of the nodes, with their derivatives
     tried: IntArray = array("samples")  # number of the search in which it was looked for
     listed: IntArray = array("points")  # points that have a part in the present mean
     weight: FloatArray = array("points", 4)  # their weights: in S, and in the foot and both tangents of the master
