@@ -164,7 +164,9 @@ def draw_cells(
 
 
 def draw_bar(ax: Axes, colours: Colours, shrink: float = 1.0) -> None:
-    """The scale of the colours beside the axes, ``shrink`` of their height."""
+    """The scale of the colours beside the axes, ``shrink`` of their height; none where nothing presses or pulls."""
+    if colours.largest == colours.least:
+        return
     scale = libs.ScalarMappable(cmap=COLOURS)
     scale.set_clim(colours.least / colours.factor, colours.largest / colours.factor)
     figure = ax.get_figure()

@@ -134,6 +134,15 @@ def test_a_picture_has_areas_in_colours_in_the_place_of_their_arrows() -> None:
     assert arrows_of(scene) == 0
 
 
+def test_where_nothing_presses_there_is_no_scale() -> None:
+    result = pressing()
+    still = replace(result, contact_points=replace(result.contact_points, force=0.0 * result.contact_points.force))
+    assert len(result.draw(result.times[-1], pressure=True).axes) == 2
+    assert len(still.draw(result.times[-1], pressure=True).axes) == 1
+    places, forces, areas = hertz(4)
+    assert len(history_of([(places, 0.0 * forces, areas)]).plot_pressure(0.0).axes) == 1
+
+
 def test_forces_on_no_area_stay_arrows() -> None:
     result = pressing(bare=1)
     scene = result.draw(result.times[-1], pressure=True).axes[0]
