@@ -218,6 +218,9 @@ class ContactHistory(NamesNearest):
     def area(self) -> FloatArray:
         """(m,) sum of the areas of the touching points that press at each instant [m^2]; 0 where it is open.
 
+        Points at the rim count with their whole areas: of Hertz's circle nodes a quarter of its radius apart tell 19 %
+        too much, where :attr:`radius` is right within 1 %.
+
         Raises ModelError as :meth:`pressure` does, where at any instant a force acts on no area.
         """
         return areas_of(self.points, self.name, len(self.times))

@@ -26,9 +26,9 @@ __all__ = ["areas_of", "pressures_of", "radii_of"]
 
 OF_HERTZ = 2.5  # a^2 over the mean square of the distance
 WANTED = (
-    'expected a force on an area: take scene.contact(..., points="areas") with body.face(...) of a flexible solid, or '
-    "nodes of the faces of 8-node hexahedra; forces at nodes of quadratic faces, at edges, and of rigid bodies are no "
-    "pressures"
+    'expected forces on areas: take scene.contact(..., points="areas") with body.face(name) of a flexible solid, whose '
+    'face "surface" is all of it, or nodes of faces of 8-node hexahedra; forces at nodes of quadratic faces, of whole '
+    "surfaces and rigid bodies, and at edges are no pressures"
 )
 
 

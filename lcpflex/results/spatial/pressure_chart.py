@@ -96,7 +96,7 @@ def _plane_of(points: ContactPoints) -> FloatArray:
     normal = _mean(points, points.normal)
     size = float(np.linalg.norm(normal))
     normal = normal / size if size > ALONG else points.normal[0]
-    right = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    right = np.eye(3)[int(np.argmin(np.abs(normal).round(3)))]  # of two alike the first
     right = right - (right @ normal) * normal
     right /= np.linalg.norm(right)
     up = np.cross(normal, right)
