@@ -33,9 +33,10 @@ if TYPE_CHECKING:
     from lcpflex.scene.declared import DeclaredContact, Parts
     from lcpflex.scene.spatial.scene import SpatialParts
 
-__all__ = ["MISSING", "deficits", "missing_compliance"]
+__all__ = ["LOOKED_AT_ON_FACES", "MISSING", "deficits", "missing_compliance"]
 
 MISSING = 0.01  # of the compliance of the mesh
+LOOKED_AT_ON_FACES = 9  # patches of named faces: each costs six solutions of the mesh
 ROUNDING = 1e-12  # of the largest coordinate of a place, that is told as 0
 NOTHING = 1e-9  # of the largest compliance: none, as along an axis that does not stretch
 
@@ -70,8 +71,11 @@ def _acting(one: Any, body: Any, parts: Any, contacts: Mapping[str, DeclaredCont
     if not isinstance(body, Body):
         from lcpflex.compile.spatial.interfaces import spatial_acting_on  # which planar scenes do without
 
-        every = spatial_acting_on(one.body, body, parts.joints, parts.loads, contacts, None, parts.rotation)
-        return [acting for acting in every if not acting.surface or getattr(body.statics, "of_surfaces", False)]
+        every = spatial_acting_on(
+            one.body, body, parts.joints, parts.loads, contacts, None, parts.rotation, LOOKED_AT_ON_FACES
+        )
+        whole = getattr(body.statics, "of_surfaces", False)
+        return [acting for acting in every if whole or acting.named or not acting.surface]
     from lcpflex.bodies.reduction.line_interfaces import LineStatics  # which rigid scenes do without
 
     def snap(x: float, y: float) -> tuple[tuple[float, float], bool]:
@@ -158,6 +162,9 @@ def _said(name: str, body: Body | SpatialBody, statics: Statics, short: Sequence
         remedy = "more contact_nodes= of scene.add, a smaller surface or more free modes would do"
     if worst.acting.surface and not isinstance(body, Body):
         remedy = "its reduce(contact=...) with the nodes that touch has it, contact_nodes= of scene.add some of it"
+        if worst.acting.named:
+            count = free if body.reduction is None else body.reduction.modes
+            remedy = f"scene.add(unreduced, modes={count}), or contact= of its reduce() with that face, has it"
     return (
         f"body {name!r}: its {kept} give way {100.0 * worst.share:.3g} % less than its mesh to {_way(worst)} of "
         f"{worst.acting.name} at ({at}): {remedy}" + (f"; so would {enough} free modes" if enough else "")

@@ -18,10 +18,10 @@ from lcpflex.bodies.body import Body, array_of, whole_number
 from lcpflex.bodies.fem.nodal_material import nearest_node
 from lcpflex.bodies.reduction.component_modes import undeformed
 from lcpflex.bodies.reduction.damping import Damping, check_damping
-from lcpflex.bodies.reduction.interface import Interface
+from lcpflex.bodies.reduction.interface import Interface, NodeMean
 from lcpflex.bodies.reduction.mesh_interfaces import MeshStatics
 from lcpflex.bodies.reduction.stiffening import Stiffening, check_stiffening
-from lcpflex.compile.missing_compliance import deficits
+from lcpflex.compile.missing_compliance import LOOKED_AT_ON_FACES, deficits
 from lcpflex.compile.surface_interfaces import Acting, acting_on
 from lcpflex.errors import ModelError, in_range, shown
 
@@ -86,11 +86,11 @@ class ReductionOrder:
         if not self.modes:
             return (), ()
 
-        def acts(count: int | None) -> list[Acting]:
+        def acts(count: int | None, of_face: int | None = self.contact_nodes) -> list[Acting]:
             if not isinstance(placed.source, Body):
                 from lcpflex.compile.spatial.interfaces import spatial_acting_on  # which planar scenes do without
 
-                return spatial_acting_on(placed.body, placed.source, joints, loads, contacts, count, angle)
+                return spatial_acting_on(placed.body, placed.source, joints, loads, contacts, count, angle, of_face)
             return acting_on(
                 placed.body, joints, loads, contacts, count, self._snap, self.is_line, angle, gives_way,
                 placed.frame_point,
@@ -100,9 +100,15 @@ class ReductionOrder:
             acting = acts(self.contact_nodes)
         else:
             acting = acts(CONTACT_NODES) if gives_way else self._needed(acts)
-        taken = Counter(f"{one.surface!r} ({one.name})" for one in acting if one.surface)
-        said = tuple(f"{number} node{'' if number == 1 else 's'} of {name}" for name, number in taken.items())
-        return tuple(dict.fromkeys(one.interface for one in acting)), said
+        taken = Counter((_noun(one), f"{one.surface!r} ({one.name})") for one in acting if one.surface)
+        said = tuple(f"{k} {noun if k == 1 else _PLURAL[noun]} of {name}" for (noun, name), k in taken.items())
+        interfaces = tuple(dict.fromkeys(one.interface for one in acting))
+        if self.contact_nodes is None and any(one.named for one in acting):
+            body = self.body(interfaces)
+            for one in acts(None, LOOKED_AT_ON_FACES):
+                if one.named and body.statics is not None:  # what it has residual modes for need not be solved again
+                    body.statics.known[one] = (body.stiffness, ())
+        return interfaces, said
 
     def _needed(self, acts: Callable[[int | None], list[Acting]]) -> list[Acting]:
         """With the fewest nodes of surfaces with which the body gives way as its mesh does, to a hundredth.
@@ -110,11 +116,11 @@ class ReductionOrder:
         Along a line and across it are needed apart. Where no number of nodes does, CONTACT_NODES in the plane, and none
         in space, where a few of the nodes of a face would make it lean; the scene warns.
         """
-        looked_at = [one for one in acts(None) if one.surface]
+        looked_at = [one for one in acts(None) if _may_do_without(one)]
 
         def tried(count: int, kinds: set[tuple[str, bool]]) -> tuple[list[Acting], set[tuple[str, bool]]]:
             """What acts with so many nodes of the kinds, and which of these give way too little then."""
-            acting = [one for one in acts(count) if not one.surface or _kind(one) in kinds]
+            acting = [one for one in acts(count) if not _may_do_without(one) or _kind(one) in kinds]
             body = self.body(tuple(dict.fromkeys(one.interface for one in acting)))
             return acting, {_kind(one) for one in looked_at if _kind(one) in kinds and deficits(body, one)}
 
@@ -128,7 +134,7 @@ class ReductionOrder:
             acting, left = tried(count, kinds)
             if not left:
                 return acting
-        return [one for one in acts(CONTACT_NODES) if not one.surface or _kind(one) in kinds]
+        return [one for one in acts(CONTACT_NODES) if not _may_do_without(one) or _kind(one) in kinds]
 
     def start(self, placed: tuple[FloatArray, FloatArray], body: AnyBody) -> tuple[FloatArray, FloatArray]:
         """Initial configuration and velocity of the reduced body: its residual modes begin at rest.
@@ -172,6 +178,19 @@ def _check_kind(model: Any, made: Any, kind: type[AnyBody]) -> None:
         words = "planar ones belong into a Scene" if made is Body else "of space belong into a SpatialScene"
         told = words if isinstance(made, type) and hasattr(made, "modes") else f"its reduce() gave {shown(made)}"
         raise ModelError(f"body: {type(model).__name__} was given, which is not of this kind of scene: {told}")
+
+
+_PLURAL = {"node": "nodes", "patch": "patches"}
+
+
+def _noun(acting: Acting) -> str:
+    """What of a surface an interface is at."""
+    return "patch" if isinstance(acting.interface.place, NodeMean) else "node"
+
+
+def _may_do_without(acting: Acting) -> bool:
+    """Whether it is one of the nodes of a surface, of which as few are taken as will do."""
+    return bool(acting.surface) and not acting.named
 
 
 def _kind(acting: Acting) -> tuple[str, bool]:

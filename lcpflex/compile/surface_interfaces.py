@@ -40,6 +40,7 @@ class Acting(NamedTuple):
     arm: float = math.inf  # of the forces that make a moment there [m]; infinite: it is one of its own
     surface: str = ""  # label of the surface of several nodes that it is one of
     at: tuple[float, ...] = ()  # in space, where the interface is in the body frame [m], for texts
+    named: bool = False  # whether the surface is a named face: where it touches, it gives way as the mesh does
 
 
 Snap = Callable[[float, float], tuple[tuple[float, float], bool]]  # nearest material, and whether the place is off it

@@ -2,7 +2,9 @@
 
 They are at the points of the mesh that the parts of the scene are made on: single nodes, means of sets, places between
 nodes. Of a surface of triangles some nodes are taken, evenly spread: with all of them a body would have as many
-coordinates as its mesh has on its boundary.
+coordinates as its mesh has on its boundary. A named face is where contact is expected: all its nodes are taken where
+these are few. A larger one is divided into patches, each with one force that its nodes share by area: together these
+make a uniform pressure, and the face leans on no few of its nodes.
 """
 
 from __future__ import annotations
@@ -10,11 +12,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from numbers import Real
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lcpflex.bodies.reduction.interface import Interface
+from lcpflex.basics import libs
+from lcpflex.bodies.fem.faces import areas_of, even_parts
+from lcpflex.bodies.reduction.interface import Interface, NodeMean
 from lcpflex.bodies.spatial.surface import SpatialKind, SpatialSurface
 from lcpflex.compile.spatial.mesh_features import facet_normals, node_normals
 from lcpflex.compile.surface_interfaces import CORNER, Acting
@@ -32,6 +36,10 @@ if TYPE_CHECKING:
 __all__ = ["spatial_acting_on", "spread_nodes"]
 
 LOOKED_AT = 16  # nodes of a surface, the ones that are taken for 3, 5 or 9 among them
+# Of a named face: at how many nodes it gives way along its normals at most, and at how many patches along itself, which
+# moves little. A contact of radius a on elements of a/4, within a face of 121 nodes, has 3.4 % more force with 60
+# patches than with all nodes, 6.5 % with 30; the face that ``near`` makes has some 220 nodes.
+FACE_NODES, FACE_PATCHES = 250, 30
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 ROUND = (SpatialKind.SPHERE, SpatialKind.HOLE, SpatialKind.CAPSULE)  # their nodes are touched at a distance
 
@@ -46,20 +54,26 @@ def spatial_acting_on(
     contacts: Mapping[str, DeclaredContact],
     count: int | None,
     turned: Turned,
+    of_face: int | None = None,
 ) -> list[Acting]:
     """What acts on a body; of a surface of triangles, at ``count`` of its nodes, or where None looks at it.
 
-    source: the body as it is now, which tells how its mesh is numbered.
+    source: the body as it is now, which tells how its mesh is numbered. of_face: at how many nodes or patches of a
+    named face at most; None: all that a contact needs.
     """
     found = [*_of_joints(body, joints, turned), *_of_loads(body, loads)]
     for name, contact in contacts.items():
         for surface in contact.pair:
             if surface.body == body:
-                mesh = surface.shape.kind is SpatialKind.MESH
-                rubs = contact.friction > 0.0
-                own = _of_mesh(source, surface.shape, rubs, count) if mesh else _of_points(surface.shape, rubs)
-                label = surface.label if mesh else ""
-                found += [Acting(one, f"contact {name!r}", arm, label, at) for one, arm, at in own]
+                shape, rubs, label = surface.shape, contact.friction > 0.0, surface.label
+                face = shape.kind is SpatialKind.FACE
+                if face:
+                    own = _of_face(shape, rubs, of_face)
+                elif shape.kind is SpatialKind.MESH:
+                    own = _of_mesh(source, shape, rubs, count)
+                else:
+                    own, label = _of_points(shape, rubs), ""
+                found += [Acting(one, f"contact {name!r}", arm, label, at, face) for one, arm, at in own]
     return found
 
 
@@ -157,6 +171,62 @@ def _of_mesh(
         along = tuple(normals[node].tolist()) if smooth else None
         at: Any = node if body.nodes is not None else tuple((places[node] + body.origin).tolist())
         yield Interface(at, along, moment=False), math.inf, tuple(places[node].tolist())
+
+
+def _of_face(
+    surface: SpatialSurface, rubs: bool, count: int | None
+) -> Iterator[tuple[Interface, float, tuple[float, ...]]]:
+    """Of a named face: at ``count`` of its nodes or patches at most; None: FACE_NODES, along itself FACE_PATCHES."""
+    many = FACE_NODES if count is None else count
+    few = FACE_PATCHES if count is None else count
+    apart = rubs and min(many, len(surface.points)) > few
+    for patch in _patches(surface, many):
+        yield from _at_patch(patch, [None] if patch.normal is None or (rubs and not apart) else [patch.normal])
+    for patch in _patches(surface, few) if apart else ():
+        yield from _at_patch(patch, [None] if patch.normal is None else [*_across(patch.normal)])
+
+
+class _Patch(NamedTuple):
+    """Nodes of a face that share a force by area."""
+
+    place: int | NodeMean
+    at: tuple[float, ...]  # (3,) their mean [m]
+    normal: FloatArray | None  # (3,) of all of it; None where it bends
+
+
+def _patches(surface: SpatialSurface, count: int) -> Iterator[_Patch]:
+    """The nodes of a face where they are no more than ``count``, else so many patches: what is nearest to each seed."""
+    places = np.array([point.place for point in surface.points])
+    parts = even_parts(np.array(surface.cells))
+    share = np.repeat(areas_of(places, parts), parts.shape[1])
+    area = np.bincount(parts.ravel(), share, len(places))
+    seeds = spread_nodes(places, np.arange(len(places)), count)
+    _, nearest = libs.cKDTree(places[seeds]).query(places) if seeds else (None, np.full(len(places), -1))
+    normals = facet_normals(places, surface.triangles)
+    nodal = area[:, None] * node_normals(surface)
+    for k in range(len(seeds)):
+        own = np.flatnonzero(nearest == k)
+        mean = nodal[own].sum(axis=0)
+        size = float(np.linalg.norm(mean))
+        touched = normals[np.isin(surface.triangles, own).any(axis=1)]
+        smooth = size > 0.0 and bool((touched @ mean > CORNER * size).all())
+        weights = area[own] / area[own].sum()
+        numbers = [surface.points[node].made_at for node in own]
+        place = numbers[0] if len(own) == 1 else NodeMean(tuple(numbers), tuple(weights.tolist()))
+        yield _Patch(place, tuple((weights @ places[own]).tolist()), mean / size if smooth else None)
+
+
+def _at_patch(patch: _Patch, ways: Sequence[FloatArray | None]) -> Iterator[tuple[Interface, float, tuple[float, ...]]]:
+    for way in ways:
+        along = None if way is None else tuple(way.tolist())
+        yield Interface(patch.place, along, moment=False), math.inf, patch.at
+
+
+def _across(normal: FloatArray) -> FloatArray:
+    """(2, 3) directions across one, and each other."""
+    first = np.cross(normal, np.eye(3)[int(np.abs(normal).argmin())])
+    first /= np.linalg.norm(first)
+    return np.array([first, np.cross(normal, first)])
 
 
 def spread_nodes(places: FloatArray, nodes: IntArray, count: int) -> list[int]:

@@ -37,14 +37,14 @@ class Part(NamedTuple):
 
 
 def parts_of(model: SpatialModel, shapes: Sequence[Shape | None], coarse: bool) -> list[Part]:
-    """All surfaces of a model but planes, nodes, and those that are the shape of their body.
+    """All surfaces of a model but planes, nodes, and those that are the shape of their body, or faces of its mesh.
 
     Each moves with the material that carries it. ``coarse``: circles have half as many sides.
     """
     c, found = model.contacts, []
     for s, (body, code) in enumerate(zip(c.surface_body.tolist(), c.surface_kind.tolist(), strict=True)):
         kind = KINDS[code]
-        if kind in (SpatialKind.NODE, SpatialKind.PLANE):
+        if kind in (SpatialKind.NODE, SpatialKind.PLANE, SpatialKind.FACE):
             continue
         if body < 0 or not _is_shape(shapes[body], kind, c.surface_center[s], float(c.surface_extent[s])):
             found.append(Part(body, _facets_of(model, s, kind, coarse)))
