@@ -33,6 +33,7 @@ from lcpflex.basics.archives import load_arrays, save_arrays
 from lcpflex.basics.hdf5 import array_of, opened, put_array, whole_hdf5
 from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError, path_of, shown
+from lcpflex.model.spatial import SpatialPoints, material_points
 from lcpflex.results.first_format import CHANGED
 
 __all__ = ["read", "write"]
@@ -194,4 +195,5 @@ def _decode(node: Any, arrays: Mapping[str, npt.NDArray[Any]]) -> Any:
     module, _, name = node["value"].rpartition(".")
     if module not in ("", "result", "energy", "scene", "model"):
         raise ValueError(f"no value class {node['value']!r}")
-    return _class(RENAMED.get(name, name))(**CHANGED.get(node["value"], dict)(fields))
+    value = _class(RENAMED.get(name, name))(**CHANGED.get(node["value"], dict)(fields))
+    return material_points(*value) if isinstance(value, SpatialPoints) else value  # of the type that kernels take

@@ -19,7 +19,7 @@ from lcpflex.contact.spatial.levers import mean_on_i, mean_on_j
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.spatial import SpatialModel
 from lcpflex.results.contact_history import ContactPoints
-from lcpflex.results.spatial.point_wrench import PointWrench
+from lcpflex.results.spatial.point_wrench import PointWrench, Where
 from lcpflex.results.touching_pairs import TouchingPair, TouchingPairs
 
 __all__ = ["contact_wrenches"]
@@ -27,7 +27,7 @@ __all__ = ["contact_wrenches"]
 # by the material at one place of a body, wherever they touch
 CARRIED = (CYLINDER, CODES[SpatialKind.RIM], CODES[SpatialKind.PLANE])
 
-Weights = tuple[tuple[int, float], ...]
+Weights = tuple[tuple[Where, float], ...]
 
 
 def contact_wrenches(
@@ -74,4 +74,8 @@ def _material(model: SpatialModel, pair: TouchingPair, side: int) -> Weights:
         # a cylinder from end to end, which the material at its middle bears
         return ((first, 0.5), (second, 0.5)) if kind == CYLINDER else ((first, 1.0),)
     mean = mean_on_i(table, k) if side == 0 else mean_on_j(table, k)
-    return tuple(zip((mean.a, mean.b, mean.c)[: mean.number], mean.w, strict=False))
+    points, weights = (mean.a, mean.b, mean.c)[: mean.number], mean.w[: mean.number]
+    if table.averaged[k] == 1:  # of two faces: the table has means of the material, made for the entry
+        x, y, z = (np.array(weights) @ np.asarray(table.faces.means.place)[list(points)]).tolist()
+        return (((x, y, z), 1.0),)
+    return tuple(zip(points, weights, strict=True))

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.results.result import Result
-    from lcpflex.results.spatial.point_wrench import PointWrench
+    from lcpflex.results.spatial.point_wrench import PointWrench, Where
 
 __all__ = ["SpatialMeshLoads"]
 
@@ -79,18 +79,24 @@ class SpatialMeshLoads:
         for one, weight in points:
             np.add.at(total, one.rows, weight * (one.u @ force + one.psi @ moment))
 
-    def _operator(self, mesh: MeshStress, p: int) -> PointOperator:
-        """Of a material point: the mean of some nodes, the material at its place, or, off the mesh, at the nearest."""
+    def _operator(self, mesh: MeshStress, p: Where) -> PointOperator:
+        """Of a material point: the mean of some nodes, or the material at its place."""
+        if self._points is None:
+            self._points = NodePoints(mesh.mesh)
+        if not isinstance(p, int):
+            return _carrying(self._points, mesh, np.array(p))
         if p not in self._known:
-            if self._points is None:
-                self._points = NodePoints(mesh.mesh)
-            place = self._compiled.model.points.place[p]
             if p in self._compiled.spread:
                 self._known[p] = self._points.of_nodes(*self._compiled.spread[p])
-                return self._known[p]
-            try:
-                self._known[p] = self._points.at(*place.tolist())
-            except ModelError:  # carried by the material beside it
-                nearest = int(np.linalg.norm(mesh.shapes.places - place, axis=1).argmin())
-                self._known[p] = self._points.of_nodes([nearest])
+            else:
+                self._known[p] = _carrying(self._points, mesh, self._compiled.model.points.place[p])
         return self._known[p]
+
+
+def _carrying(points: NodePoints, mesh: MeshStress, place: FloatArray) -> PointOperator:
+    """Of the material at a place, or, off the mesh, at the nearest node."""
+    try:
+        return points.at(*place.tolist())
+    except ModelError:  # carried by the material beside it
+        nearest = int(np.linalg.norm(mesh.shapes.places - place, axis=1).argmin())
+        return points.of_nodes([nearest])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,8 +24,8 @@ def block(quadratic: bool) -> lf.Solid:
     """Of 2 x 2 x 1 hexahedra of eight or of 27 nodes."""
     x, z = np.linspace(-0.5 * SIDE, 0.5 * SIDE, 3), np.linspace(-0.5 * HEIGHT, 0.5 * HEIGHT, 2)
     mesh = libs.skfem.MeshHex.init_tensor(x, x, z)
-    low = {"bottom": lambda x, y, z: z < -0.499 * HEIGHT}
-    return lf.Solid(libs.skfem.MeshHex2.from_mesh(mesh) if quadratic else mesh, sets=low, **STEEL)  # type: ignore[arg-type]
+    ends = {"bottom": lambda x, y, z: z < -0.499 * HEIGHT, "top": lambda x, y, z: z > 0.499 * HEIGHT}
+    return lf.Solid(libs.skfem.MeshHex2.from_mesh(mesh) if quadratic else mesh, sets=ends, **STEEL)  # type: ignore[arg-type]
 
 
 def resting(stepper: Any, quadratic: bool, points: str) -> Result:
@@ -68,6 +69,37 @@ def test_nodes_of_linear_faces_have_the_whole_face_and_those_of_quadratic_ones_n
     assert floor.radius.max() > 0.0
     with pytest.raises(ModelError, match=r"contact 'floor': .*on no area, .*quadratic"):
         floor.pressure(floor.times[-1])
+
+
+def test_stresses_under_a_face_are_known_of_results_from_files(tmp_path: Path) -> None:
+    result = resting(lf.MoreauJean(STEP), False, "nodes")
+    loaded = Result.load(result.save(tmp_path / "run.npz"))
+    expected = result.stress("block").of(len(result.times) - 1)
+    assert expected.von_mises.max() > 0.0
+    np.testing.assert_array_equal(loaded.stress("block").of(len(result.times) - 1).zz, expected.zz)
+
+
+@pytest.mark.parametrize("quadratic", [False, True])
+def test_forces_between_faces_act_on_the_material_of_both(quadratic: bool) -> None:
+    """The nodal loads of a body, inertia among them, are in balance where each force acts at its place."""
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", lf.ModelWarning)
+        low = scene.add(block(False), name="low", modes=4)
+        up = scene.add(
+            block(quadratic), name="up", position=(0.01, 0.03, 1.0001 * HEIGHT), velocity=(0.0, 0.0, -1.0), modes=4
+        )
+        scene.contact(low.face("top"), up.face("bottom"), friction=0.3, name="faces")
+        result = lf.simulate(scene, 2e-5, lf.MoreauJean(1e-6), record=0.0, progress=False)
+    pressed = result.contact("faces")
+    k = int(pressed.normal_force.argmax())
+    assert 0.0 < pressed.area[k] <= pressed.area.max() < 1.1 * 0.09 * 0.07  # of what they have in common, by samples
+    for name in ("low", "up"):
+        recovery: Any = result.stress(name)._recovery
+        loads = recovery._loads.of(recovery._mesh, k).reshape(-1, 3)
+        places = recovery._mesh.shapes.places
+        assert np.abs(loads.sum(axis=0)).max() < 1e-9 * pressed.normal_force[k]
+        assert np.abs(np.cross(places, loads).sum(axis=0)).max() < 1e-4 * SIDE * pressed.normal_force[k]
 
 
 RADIUS, BALL, MASS, SPEED = 0.8e-3, 16e-3, 2.0, 0.35  # of the contact, about; of the ball [m], [kg], [m/s]
