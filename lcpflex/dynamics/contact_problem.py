@@ -13,7 +13,7 @@ from lcpflex.dynamics.joint_response import condense, couple, factorise_joints, 
 from lcpflex.dynamics.rows import Rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.jit.leaf import leaf
+from lcpflex.jit.leaf import in_space, leaf
 from lcpflex.solvers.contact.algebra import Vector
 from lcpflex.solvers.contact.index_sets import STICKING, sliding_sign
 
@@ -98,11 +98,19 @@ def pose_island(work: Workspace, i: int, like: Vector) -> None:
                     free[r] -= G[r, s] * counted[part[s]]
 
 
+@in_space("lcpflex.dynamics.spatial.contact_blocks")
+@kernel
+def fill_delassus(work: Workspace, m: int, G: FloatArray) -> None:
+    """G of the m rows ``posed.part``, joints left aside."""
+    rows, part, n_joint = work.rows, work.posed.part, work.rows.n_joint
+    delassus(rows.J[n_joint:], rows.solved[n_joint:], rows.body[n_joint:], part, m, G)
+
+
 @kernel
 def pose_rows(work: Workspace, m: int, G: FloatArray, free: FloatArray) -> None:
     """G and ``free`` of the m rows ``posed.part``, joints condensed; what is known of each contact there alone."""
     rows, part, n_joint = work.rows, work.posed.part, work.rows.n_joint
-    delassus(rows.J[n_joint:], rows.solved[n_joint:], rows.body[n_joint:], part, m, G)
+    fill_delassus(work, m, G)
     for r in range(m):
         free[r] = work.free.v[n_joint + part[r]] if part[r] >= 0 else 0.0
     if n_joint > 0:

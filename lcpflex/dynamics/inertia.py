@@ -24,7 +24,7 @@ from lcpflex.dynamics.shortening import factorise_tangent, shortens
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import allocate, array, struct
-from lcpflex.model.arrays import Bodies
+from lcpflex.model.arrays import Bodies, Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.semidefinite import cholesky_solve
 
@@ -36,6 +36,7 @@ __all__ = [
     "deformed_moments",
     "factorise",
     "factors",
+    "model_factors",
     "multiply",
     "solve_block",
     "solve_rigid",
@@ -66,6 +67,12 @@ def arrow(n_bodies: int, n_modes: int, dense: IntArray | None = None) -> Arrow:
     start = np.concatenate([[0], np.cumsum(squares)])
     sizes = {"bodies": n_bodies, "modes": n_modes, "dense": int(start[-1]), "eased": n_modes if squares.any() else 0}
     return allocate(Arrow, sizes, diagonal=np.ones(n_modes), dense_start=start)
+
+
+@in_space("lcpflex.dynamics.spatial.inertia")
+def model_factors(model: Model) -> Arrow:
+    """:func:`factors` of the bodies of a model."""
+    return factors(model.bodies)
 
 
 @in_space("lcpflex.dynamics.spatial.inertia")

@@ -129,7 +129,11 @@ WRITERS: dict[str, tuple[str, ...]] = {
         "lcpflex.dynamics.spatial.gyroscopic",
         "lcpflex.dynamics.spatial.redundancy",
     ),
-    "Rows.arrow": ("lcpflex.dynamics.spatial.gyroscopic", "lcpflex.dynamics.stable_step"),
+    "Rows.arrow": (
+        "lcpflex.dynamics.spatial.contact_blocks",
+        "lcpflex.dynamics.spatial.gyroscopic",
+        "lcpflex.dynamics.stable_step",
+    ),
     "Rows.solved": ("lcpflex.dynamics.position", "lcpflex.dynamics.stable_step"),  # by a matrix of their own
     "FreeMotion": (
         "lcpflex.dynamics.acceleration",
@@ -200,6 +204,7 @@ WRITERS: dict[str, tuple[str, ...]] = {
         "lcpflex.solvers",
         "lcpflex.steppers.smooth",
         "lcpflex.steppers.spatial.alpha",
+        "lcpflex.steppers.spatial.wide_islands",
         "lcpflex.steppers.strike_order",
     ),
     "Impulses.solver": (
@@ -211,7 +216,7 @@ WRITERS: dict[str, tuple[str, ...]] = {
     ),
     "Impulses.large_solver": ("lcpflex.solvers",),
     "Impulses.remembered": ("lcpflex.dynamics.spatial.gyroscopic", "lcpflex.solvers", "lcpflex.steppers.spatial.alpha"),
-    "Impulses.most": ("lcpflex.dynamics.contact_problem",),
+    "Impulses.most": ("lcpflex.dynamics.contact_problem", "lcpflex.steppers.spatial.wide_islands"),
     "Impulses.number": ("lcpflex.steppers.spatial.sets",),
     "Impulses.unsolved_large": ("lcpflex.steppers.spatial.alpha",),
     "Impulses.doubtful": ("lcpflex.steppers.doubtful",),

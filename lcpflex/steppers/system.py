@@ -15,7 +15,7 @@ from lcpflex.contact.table import room_in_space, table_maker
 from lcpflex.contact.thickness import farthest, surface_thickness, thinnest
 from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.compliant_contacts import CompliantContacts, compliant_contacts, sufficient_capacity
-from lcpflex.dynamics.inertia import factors
+from lcpflex.dynamics.inertia import model_factors
 from lcpflex.dynamics.joint_factor import JointPattern, joint_pattern
 from lcpflex.dynamics.reaction_memory import Reactions, reactions
 from lcpflex.dynamics.time_functions import Calls
@@ -174,7 +174,8 @@ class System:
         rows = [law.row() if law else None for law in self.laws] or [None] * self.n_laws if laws is None else laws
         if before is None:
             ndof = len(self.u) if self.dense else 0
-            shared = contact_memory(contacts, rows), np.array(bodies.dof), factors(bodies), np.zeros((ndof, ndof))
+            arrow = model_factors(self.model)
+            shared = contact_memory(contacts, rows), np.array(bodies.dof), arrow, np.zeros((ndof, ndof))
         else:
             shared = before.history, before.rows.dof, before.rows.arrow, before.rows.dense
         history, dof, arrow, dense = shared

@@ -22,7 +22,7 @@ from lcpflex.solvers.contact.judging import Judged, is_exact, is_good, judge, la
 from lcpflex.solvers.contact.laws import solve
 from lcpflex.solvers.contact.operators import Operator, push, velocity
 
-__all__ = ["Sweeping", "left_over", "sweep", "sweep_on"]
+__all__ = ["Sweeping", "is_settled", "left_over", "sweep", "sweep_on"]
 
 SETTLED = 5e-14  # of the free velocities: what is left where nothing creeps, unless it is rounding of the terms
 POLISHED = 3e-16  # sweeps that are made end there: those of the next step, which is like this one, are spared

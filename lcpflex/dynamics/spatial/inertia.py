@@ -30,10 +30,11 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from lcpflex.dynamics.spatial.point_blocks import PointBlocks, no_blocks, point_blocks, touching_points
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.kinematics.spatial.rotations import Vector, rotation_matrix
-from lcpflex.model.spatial import N_PLACE, N_RIGID, SpatialBodies
+from lcpflex.model.spatial import N_PLACE, N_RIGID, SpatialBodies, SpatialModel
 
 __all__ = [
     "PARTS",
@@ -43,6 +44,7 @@ __all__ = [
     "deform",
     "factorise",
     "factors",
+    "model_factors",
     "spin_stiffens",
     "symmetric",
 ]
@@ -72,14 +74,24 @@ class SpatialArrow:
     touch: FloatArray = array("ndof")  # what contacts are expected to add to the velocity in a step
     shift: FloatArray = array("ndof")  # scratch
     energy: FloatArray = array("bodies")  # scratch
+    blocks: PointBlocks  # of the points that may touch, by the weights that a factor has given to the modes
 
 
 SpatialWork: TypeAlias = Any  # a Workspace, or CompliantContacts, with the rows of space
 RowsOfSpace: TypeAlias = Any  # Rows with a SpatialArrow for their arrow and a SpatialContactTable
 
 
+def model_factors(model: SpatialModel) -> SpatialArrow:
+    """:func:`factors` of the bodies of a model, with the blocks of all points that may touch."""
+    return _arrow(model.bodies, point_blocks(model.bodies, model.points, touching_points(model.contacts)))
+
+
 def factors(bodies: SpatialBodies) -> SpatialArrow:
     """Memory for the factors of these bodies and of no others: what does not change in rigid ones is filled in."""
+    return _arrow(bodies, no_blocks())
+
+
+def _arrow(bodies: SpatialBodies, blocks: PointBlocks) -> SpatialArrow:
     n_modes = len(bodies.stiffness)
     sizes = {"bodies": len(bodies.mass), "modes": n_modes, "moments": 9 * n_modes, "ndof": int(bodies.dof[-1])}
     sizes["places"] = int(bodies.place[-1])
@@ -89,6 +101,7 @@ def factors(bodies: SpatialBodies) -> SpatialArrow:
     return allocate(
         SpatialArrow,
         sizes,
+        blocks=blocks,
         at=np.full(n_modes, np.nan),
         arm=np.array(bodies.moment),
         inertia=np.ascontiguousarray(J[:, [0, 1, 2, 1, 2, 0], [0, 1, 2, 2, 0, 1]]),

@@ -10,29 +10,48 @@ however many modes there are.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from lcpflex.contact.spatial.narrow_phase.sides import Mean
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.kinematics.spatial.rotations import Matrix
-from lcpflex.model.spatial import N_RIGID, SpatialBodies, SpatialContacts, SpatialPoints
+from lcpflex.model.spatial import (
+    N_RIGID,
+    SpatialBodies,
+    SpatialContacts,
+    SpatialPoints,
+    SpatialPointTable,
+    bodiless_spatial_model,
+)
 
-__all__ = ["PointBlocks", "block_of", "has_blocks", "mean_block", "point_blocks", "touching_points", "weigh_modes"]
+__all__ = [
+    "PointBlocks",
+    "block_of",
+    "has_blocks",
+    "mean_block",
+    "no_blocks",
+    "point_blocks",
+    "touching_points",
+    "weigh_modes",
+]
 
 ROOM = 500_000  # blocks of all bodies: 36 MB, which 1000 points of one body need
-UNKNOWN = np.nan  # the first number of a block that has not been computed
 
 
 @struct
 class PointBlocks:
-    """Blocks of the points listed, of each body those of each pair once."""
+    """Blocks of the points listed, of each body those of each pair once. Where the diagonal is 0, one is not known."""
 
     number: IntArray = array("points")  # of each material point among those listed of its body; -1: none
     first: IntArray = array("bodies")  # of each body in ``block``
     last: IntArray = array("bodies")
+    dof: IntArray  # these six are those of the model
+    centred: IntArray
+    mass: FloatArray
+    body: IntArray
+    start: IntArray
+    phi: FloatArray
     changed: IntArray = array("bodies")  # 1: ``block`` belongs to other weights than these
     weight: FloatArray = array("modes")  # w of the modes of all bodies
     block: FloatArray = array("blocks", 9)  # E_ab, number of a >= that of b, row by row
@@ -59,11 +78,24 @@ def point_blocks(bodies: SpatialBodies, points: SpatialPoints, listed: IntArray,
     return allocate(
         PointBlocks,
         {"modes": len(bodies.stiffness), "bodies": n},
+        dof=bodies.dof,
+        centred=bodies.centred,
+        mass=bodies.mass,
+        body=points.body,
+        start=points.start,
+        phi=points.phi,
         number=number,
         first=first,
         last=last,
-        block=np.full((end, 9), UNKNOWN),
+        block=np.zeros((end, 9)),  # memory that is not touched costs nothing
     )
+
+
+def no_blocks() -> PointBlocks:
+    """Of no points at all."""
+    points = SpatialPointTable().compile()
+    model = bodiless_spatial_model(0, 0, 0, [], [], [])
+    return point_blocks(model.bodies, points, np.zeros(0, dtype=np.int64))
 
 
 def touching_points(contacts: SpatialContacts) -> IntArray:
@@ -84,14 +116,14 @@ def has_blocks(of: PointBlocks, p: int) -> bool:
 
 
 @kernel
-def weigh_modes(bodies: SpatialBodies, of: PointBlocks, b: int, weight: FloatArray) -> bool:
+def weigh_modes(of: PointBlocks, b: int, weight: FloatArray) -> bool:
     """The modes of body b have these weights (of all modes of the model); whether its blocks may be asked for.
 
     Not where the weights are others than the last time: where each step has another length, blocks would be computed to
     be used once. They are forgotten when the same weights come twice.
     """
     same, kept = True, of.weight
-    for k in range(bodies.dof[b] - N_RIGID * b, bodies.dof[b + 1] - N_RIGID * (b + 1)):
+    for k in range(of.dof[b] - N_RIGID * b, of.dof[b + 1] - N_RIGID * (b + 1)):
         same = same and kept[k] == weight[k]
         kept[k] = weight[k]
     if not same:
@@ -99,18 +131,18 @@ def weigh_modes(bodies: SpatialBodies, of: PointBlocks, b: int, weight: FloatArr
     elif of.changed[b] == 1:
         of.changed[b] = 0
         for i in range(of.first[b], of.last[b]):
-            of.block[i, 0] = UNKNOWN
+            of.block[i, 0], of.block[i, 4], of.block[i, 8] = 0.0, 0.0, 0.0
     return bool(same)
 
 
 @kernel
-def fill_block(bodies: SpatialBodies, points: SpatialPoints, of: PointBlocks, at: int, p: int, r: int) -> None:
+def fill_block(of: PointBlocks, at: int, p: int, r: int) -> None:
     """Compute block ``at``, of the points p and r."""
     xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    b = points.body[p]
-    mode, i, j, phi = bodies.dof[b] - N_RIGID * b, points.start[p], points.start[r], points.phi
-    for k in range(points.start[p + 1] - i):
-        w = of.weight[mode + k]
+    b, phi, weight = of.body[p], of.phi, of.weight
+    mode, i, j = of.dof[b] - N_RIGID * b, of.start[p], of.start[r]
+    for k in range(of.start[p + 1] - i):
+        w = weight[mode + k]
         x, y, z = w * phi[i + k, 0], w * phi[i + k, 1], w * phi[i + k, 2]
         u, v, s = phi[j + k, 0], phi[j + k, 1], phi[j + k, 2]
         xx += x * u
@@ -129,15 +161,15 @@ def fill_block(bodies: SpatialBodies, points: SpatialPoints, of: PointBlocks, at
 
 
 @kernel
-def block_of(bodies: SpatialBodies, points: SpatialPoints, of: PointBlocks, p: int, r: int) -> Matrix:
+def block_of(of: PointBlocks, p: int, r: int) -> Matrix:
     """E of the points p and r of one body, which have blocks; row by row."""
     i, j = of.number[p], of.number[r]
     first, second = (p, r) if i >= j else (r, p)
     i, j = max(i, j), min(i, j)
-    at = of.first[points.body[p]] + i * (i + 1) // 2 + j
+    at = of.first[of.body[p]] + i * (i + 1) // 2 + j
     block = of.block
-    if math.isnan(block[at, 0]):
-        fill_block(bodies, points, of, at, first, second)
+    if block[at, 0] == 0.0 and block[at, 4] == 0.0 and block[at, 8] == 0.0:
+        fill_block(of, at, first, second)
     if first == p:
         return (
             block[at, 0], block[at, 1], block[at, 2], block[at, 3], block[at, 4], block[at, 5], block[at, 6],
@@ -161,14 +193,14 @@ def add_block(total: Matrix, weight: float, block: Matrix) -> Matrix:
 
 
 @kernel
-def mean_block(bodies: SpatialBodies, points: SpatialPoints, of: PointBlocks, a: Mean, b: Mean) -> Matrix:
+def mean_block(of: PointBlocks, a: Mean, b: Mean) -> Matrix:
     """E of two means of points of one body, all of which have blocks: sum of w_a w_b E_ab."""
     if a.number == 1 and b.number == 1:
-        return block_of(bodies, points, of, a.a, b.a)
+        return block_of(of, a.a, b.a)
     total = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for e in range(a.number):
         p = a.a if e == 0 else (a.b if e == 1 else a.c)
         for f in range(b.number):
             r = b.a if f == 0 else (b.b if f == 1 else b.c)
-            total = add_block(total, a.w[e] * b.w[f], block_of(bodies, points, of, p, r))
+            total = add_block(total, a.w[e] * b.w[f], block_of(of, p, r))
     return total

@@ -30,6 +30,7 @@ from lcpflex.solvers.contact.recollection import place_of, turn_over
 from lcpflex.solvers.status import SOLVED
 from lcpflex.steppers.island_problems import tell_island
 from lcpflex.steppers.recorder import Recorder, note_certificate
+from lcpflex.steppers.spatial.wide_islands import exchange_normals, is_rough, is_wide, lacks_places
 from lcpflex.steppers.status import RunStatus
 
 __all__ = ["shorten_forces", "solve_island", "solve_islands"]
@@ -111,12 +112,17 @@ def solve_posed(work: SpatialWork, i: int, tolerance: float) -> int:
 
 
 @kernel
-def solve_in_bodies(work: SpatialWork, i: int) -> bool:
-    """Island i in the velocities of its bodies, from the forces ``work.impulses.p``; whether they are good enough."""
+def solve_in_bodies(work: SpatialWork, i: int, alone: bool) -> bool:
+    """Island i in the velocities of its bodies, from the forces ``work.impulses.p``; whether they are good enough.
+
+    alone: it is wide, and has normal forces alone.
+    """
     memory = work.impulses.solver
     describe_island(work, i)
     memory.size, memory.sweeping.iterations = 3 * memory.group.n, 0
     judge_island(work)
+    if alone:
+        exchange_normals(work, i)
     good = sweep_island(work, FIRST_SWEEPS, False)
     tell(memory)
     return good
@@ -197,7 +203,7 @@ def settle_shares(work: SpatialWork, i: int, tolerance: float, posed: bool, rest
         return
     way = way_of_motion(work, i, posed, resting) if work.posed.shifted == 0 else GOES_ON
     if way != GOES_ON and hold_island(work, i, posed, way):
-        again = solve_posed(work, i, tolerance) == RunStatus.DONE if posed else solve_in_bodies(work, i)
+        again = solve_posed(work, i, tolerance) == RunStatus.DONE if posed else solve_in_bodies(work, i, False)
         if not again:
             put_forces(work, i, True)
             judge_forces(work, posed, False)
@@ -217,7 +223,15 @@ def solve_island(work: SpatialWork, i: int, tolerance: float, warm: bool, record
     if memory.known == NOTHING_KNOWN:
         begin_island(work, i, warm)
         if memory.method != POSED and work.posed.lifted == 0:
-            if not has_joints(work, i) and solve_in_bodies(work, i):
+            rough = is_rough(work, i)
+            held, wide = has_joints(work, i), is_wide(work, i, rough)
+            if wide and not held:
+                if not rough and lacks_places(work, n):
+                    return RunStatus.GROW
+                status = solve_posed(work, i, tolerance) if rough else RunStatus.SOLVER_FAILED
+                if status != RunStatus.SOLVER_FAILED:
+                    return end_posed(work, i, tolerance, status, resting, recorder)
+            if not held and solve_in_bodies(work, i, wide and not rough):
                 settle_shares(work, i, tolerance, False, resting)
                 return go_on(work, i, True, recorder)
             if is_large(work, i) and not shares_in_joints(work, i):
@@ -226,9 +240,14 @@ def solve_island(work: SpatialWork, i: int, tolerance: float, warm: bool, record
                     return status
                 if status == RunStatus.DONE or n > LAST_WORD:
                     return go_on(work, i, status == RunStatus.DONE, recorder)
-    status = solve_posed(work, i, tolerance)
+    return end_posed(work, i, tolerance, solve_posed(work, i, tolerance), resting, recorder)
+
+
+@kernel
+def end_posed(work: SpatialWork, i: int, tolerance: float, status: int, resting: bool, recorder: Recorder) -> int:
+    """Of several solutions of the island posed the one that is wanted, if it was solved; the status as it was."""
     if status == RunStatus.DONE:
-        if memory.method != POSED and work.posed.lifted == 0:
+        if work.impulses.solver.method != POSED and work.posed.lifted == 0:
             settle_shares(work, i, tolerance, True, resting)
         note_certificate(work, recorder)
     return status

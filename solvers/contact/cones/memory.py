@@ -62,6 +62,16 @@ class SpatialContactData:
 
 
 @struct
+class Sides:
+    """What both sides of contacts have of the Delassus operator, for the mechanics that make it of blocks."""
+
+    touched: IntArray = array("contacts", 2, 5)  # body, how many points of it (0: it is rigid), and these
+    share: FloatArray = array("contacts", 2, 3)  # their weights
+    along: FloatArray = array("contacts", 2, 3, 3)  # directions of the rows, body axes
+    frame: FloatArray = array("contacts", 2, 3, 6)  # what forces along them do to the frame
+
+
+@struct
 class SpatialSolverMemory:
     """Solution of a contact problem, and what is known of it."""
 
@@ -78,6 +88,7 @@ class SpatialSolverMemory:
     # the contacts of an island
     group: Group
     scene: SceneRows  # without joints, or as if there were none
+    sides: Sides
     dense: Dense  # posed
     judged: Judged
     sweeping: Sweeping
@@ -85,6 +96,7 @@ class SpatialSolverMemory:
     newton: NewtonWork  # of posed contacts
     search: Search
     attempts: Attempts
+    basis: IntArray = array("marks")  # of exchanges, where there is no friction
     # what event-driven kernels of the plane read, which no contact of space comes to yet
     normal: FloatArray = array("contacts")
     tangential: FloatArray = array("contacts")
@@ -131,9 +143,10 @@ def cone_memory(
     searched = {"units": rows // 3, "rows": 3, "block": 9, "unknowns": rows}
     memory = allocate(
         SpatialSolverMemory,
-        {"contacts": capacity, "rows": rows},
+        {"contacts": capacity, "rows": rows, "marks": 3 * rows + 1},
         group=allocate(Group, {"units": capacity, "rows": 3, "block": 9}),
         scene=scene,
+        sides=allocate(Sides, {"contacts": capacity}),
         dense=allocate(
             Dense,
             {"matrix": rows, "unknowns": rows},

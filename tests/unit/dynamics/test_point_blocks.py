@@ -40,7 +40,7 @@ class Case:
         self.weight = rng.uniform(0.5, 2.0, sum(MODES))
 
     def weigh(self, b: int, weight: FloatArray) -> bool:
-        return weigh_modes(self.bodies, self.blocks, b, weight)
+        return weigh_modes(self.blocks, b, weight)
 
     def product(self, p: int, r: int) -> FloatArray:
         first = {0: 0, 1: 5, 2: 5}[p // POINTS]
@@ -48,7 +48,7 @@ class Case:
         return np.asarray(self.shapes[p].T @ (own[:, None] * self.shapes[r]))
 
     def block(self, p: int, r: int) -> FloatArray:
-        return np.reshape(block_of(self.bodies, self.points, self.blocks, p, r), (3, 3))
+        return np.reshape(block_of(self.blocks, p, r), (3, 3))
 
 
 def test_blocks_are_products_of_the_shapes() -> None:
@@ -75,10 +75,10 @@ def test_means_of_points() -> None:
     w = (0.2, 0.5, 0.3)
     facet = Mean(3, 0, 2, 3, w)
     mixed = sum(w[k] * case.product(3, p) for k, p in enumerate((0, 2, 3)))
-    found = np.reshape(mean_block(case.bodies, case.points, case.blocks, single(3), facet), (3, 3))
+    found = np.reshape(mean_block(case.blocks, single(3), facet), (3, 3))
     np.testing.assert_allclose(found, mixed, rtol=1e-13, atol=1e-14)
     own = sum(w[j] * w[k] * case.product(p, r) for j, p in enumerate((0, 2, 3)) for k, r in enumerate((0, 2, 3)))
-    found = np.reshape(mean_block(case.bodies, case.points, case.blocks, facet, facet), (3, 3))
+    found = np.reshape(mean_block(case.blocks, facet, facet), (3, 3))
     np.testing.assert_allclose(found, own, rtol=1e-13, atol=1e-14)
 
 
