@@ -89,7 +89,8 @@ def room_in_space(contacts: Any) -> dict[str, Any]:
         return {}
     from lcpflex.contact.spatial.faces.memory import face_sizes
 
-    return {"corners": most_corners(contacts), "faces": face_sizes(contacts)}
+    nodes = int(np.max(np.diff(contacts.node_start), initial=0)) if len(contacts.node_shape) else 0
+    return {"corners": most_corners(contacts), "faces": face_sizes(contacts), "nodes": nodes}
 
 
 def most_corners(contacts: Any) -> int:

@@ -138,7 +138,8 @@ def fill_contact_rows(model: Model, q: FloatArray, n: int, n_joint: int, rows: R
             for t in range(across):
                 rows.tangent[n_tangent + t] = k
             n_tangent += across
-        contact_rows(model, q, table, k, rows.J[r], rows.J[s : s + across])
+        end = s if across == 2 and mu == 0.0 else s + across  # in space only those that there are
+        contact_rows(model, q, table, k, rows.J[r], rows.J[s:end])
         for i in range(2):
             b = table.body[k, i]
             row_body[r, i] = b

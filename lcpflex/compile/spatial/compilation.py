@@ -17,6 +17,7 @@ from lcpflex.compile.spatial.bodies import compile_spatial_bodies
 from lcpflex.compile.spatial.contacts import compile_spatial_contacts
 from lcpflex.compile.spatial.joints import compile_spatial_joints
 from lcpflex.compile.spatial.loads import compile_spatial_loads
+from lcpflex.compile.spatial.node_shapes import node_shapes
 from lcpflex.compile.spatial.sensors import compiled_spatial_sensor
 from lcpflex.dynamics.spatial.state import SpatialState
 from lcpflex.dynamics.time_functions import Materials
@@ -73,7 +74,9 @@ def compiled_spatial_scene(
     declared = {**parts.contacts, **by_rule}
     contacts = compile_spatial_contacts(declared, parts.surfaces, assembly, rule, len(parts.contacts))
     signals, callbacks = assembly.signals.compile()
-    model = SpatialModel(bodies, assembly.points.compile(), signals, joints, loads, contacts)
+    points = assembly.points.compile()
+    contacts = contacts._replace(**node_shapes(contacts, points))
+    model = SpatialModel(bodies, points, signals, joints, loads, contacts)
     layout = Layout(
         bodies=tuple(p.name for p in parts.placed),
         contacts=tuple(declared),

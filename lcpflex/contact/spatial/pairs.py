@@ -32,6 +32,7 @@ from lcpflex.contact.spatial.narrow_phase.margins import margin_on_i, margin_on_
 from lcpflex.contact.spatial.narrow_phase.point import point_turning, refresh_point
 from lcpflex.contact.spatial.narrow_phase.rim import place_on_rim, refresh_rim, rim_axis, rim_rate
 from lcpflex.contact.spatial.narrow_phase.rims import refresh_rims, rims_motion
+from lcpflex.contact.spatial.narrow_phase.side_rows import lay_side
 from lcpflex.contact.spatial.narrow_phase.sides import (
     AT_REST,
     Frame,
@@ -39,7 +40,6 @@ from lcpflex.contact.spatial.narrow_phase.sides import (
     frame_motion,
     frame_of,
     is_rigid,
-    lay_side,
     line_between,
     mean_motion,
     mean_place,
@@ -133,28 +133,30 @@ def contact_rows(
     normal: FloatArray,
     tangents: FloatArray,
 ) -> None:
-    """Rows of entry k, ``normal`` (2, width) and ``tangents`` (2, 2, width), along t1 and t2.
+    """Rows of entry k, ``normal`` (2, width) and ``tangents`` (2, 2, width), along t1 and t2, or (0, 2, width): none.
 
     Blocks for body i and body j; a block on the ground is 0.
     """
-    points, first, second = points_of(model, table, k), tangents[0], tangents[1]
+    points, rough = points_of(model, table, k), len(tangents) > 0
+    first, second = (tangents[0], tangents[1]) if rough else (normal, normal)
     n, t = row_vector(table.normal, k), row_vector(table.tangent, k)
     for side in range(2):
         b = table.body[k, side]
         if b < 0:
             clear_block(normal[side])
-            clear_block(first[side])
-            clear_block(second[side])
+            if rough:
+                clear_block(first[side])
+                clear_block(second[side])
             continue
         frame = frame_of(model.bodies, q, b)
         if side == 0:
             mean = mean_on_i(table, k)
             lever = lever_on_i(points, q, frame, table, k, n)
-            lay_side(points, q, frame, mean, lever, 1.0, n, t, normal[0], first[0], second[0])
+            lay_side(points, q, frame, mean, lever, 1.0, n, t, rough, normal[0], first[0], second[0])
         else:
             mean = mean_on_j(table, k)
             lever = lever_on_j(model, q, frame, table, k, n)
-            lay_side(points, q, frame, mean, lever, -1.0, n, t, normal[1], first[1], second[1])
+            lay_side(points, q, frame, mean, lever, -1.0, n, t, rough, normal[1], first[1], second[1])
 
 
 @kernel

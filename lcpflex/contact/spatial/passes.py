@@ -21,6 +21,7 @@ from lcpflex.contact.spatial.mesh_detection import meshes_touch
 from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, rim_axis
 from lcpflex.contact.spatial.narrow_phase.sides import frame_of, place_in, world_place
 from lcpflex.contact.spatial.node_pass import nodes_on_features
+from lcpflex.contact.spatial.node_shifts import moved_place, shift_nodes
 from lcpflex.contact.spatial.pairs import locate
 from lcpflex.contact.spatial.table import NODE_FACET, NODE_POINT, SpatialContactTable
 from lcpflex.contact.spatial.twice import drop_twice
@@ -37,14 +38,23 @@ STANDING = 1e-2  # up to which fixed points of its rim join the lowest one
 @kernel
 def nodes_over_plane(
     model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, begin: int, end: int, law: int,
-    b: int, n: int,
+    b: int, moved: bool, n: int,
 ) -> int:  # fmt: skip
-    """Contacts of the nodes begin..end with the plane b, from entry n on; returns the new count."""
+    """Contacts of the nodes begin..end with the plane b, from entry n on; returns the new count.
+
+    moved: they are all of a surface, and ``table.shift`` holds their displacements.
+    """
     c = model.contacts
     body = frame_of(model.bodies, q, model.points.body[c.node_point[begin]])
     normal, o = plane_vector(table, b, 0), plane_vector(table, b, 3)
     for node in range(begin, end):
-        away = apart_from(world_place(body, place_in(model.points, q, body, c.node_point[node])), o)
+        p = c.node_point[node]
+        s = (
+            moved_place(model.points, table, p, node - begin, end - begin)
+            if moved
+            else place_in(model.points, q, body, p)
+        )
+        away = apart_from(world_place(body, s), o)
         if dot(normal, away) - c.node_radius[node] <= margin:
             if n < len(table.key):
                 load_node(model, table, n, law, NODE_FACET, node, c.feature_start[b])
@@ -63,8 +73,17 @@ def nodes_on_sphere(
     radius = c.feature_radius[f]
     sense = 1.0 if radius >= 0.0 else -1.0
     o = point_place(model.bodies, model.points, q, c.feature_point[f, 0])
-    for node in range(c.node_start[a], c.node_start[a + 1]):
-        d = apart_from(point_place(model.bodies, model.points, q, c.node_point[node]), o)
+    begin, end = c.node_start[a], c.node_start[a + 1]
+    moved = shift_nodes(model, q, table, a)
+    body = frame_of(model.bodies, q, c.surface_body[a])
+    for node in range(begin, end):
+        p = c.node_point[node]
+        s = (
+            moved_place(model.points, table, p, node - begin, end - begin)
+            if moved
+            else place_in(model.points, q, body, p)
+        )
+        d = apart_from(world_place(body, s), o)
         gap = sense * norm(d) - radius - c.node_radius[node]
         if gap <= margin:
             if n < len(table.key):
@@ -105,7 +124,7 @@ def rims_on_plane(
             n += 1
         if tilt < STANDING:
             node = c.node_start[a] + (rim - first) * RIM_POINTS
-            n = nodes_over_plane(model, q, margin, table, node, node + RIM_POINTS, law, b, n)
+            n = nodes_over_plane(model, q, margin, table, node, node + RIM_POINTS, law, b, False, n)
     return n
 
 
@@ -159,7 +178,8 @@ def detect_pass(
     if c.feature_kind[first] == PLANE:
         if c.feature_start[a + 1] > c.feature_start[a] and c.feature_kind[c.feature_start[a]] == RIM:
             return rims_on_plane(model, q, margin, table, a, b, law, n)
-        return nodes_over_plane(model, q, margin, table, c.node_start[a], c.node_start[a + 1], law, b, n)
+        moved = shift_nodes(model, q, table, a)
+        return nodes_over_plane(model, q, margin, table, c.node_start[a], c.node_start[a + 1], law, b, moved, n)
     if c.feature_kind[first] == POINT:
         return nodes_on_sphere(model, q, margin, table, a, b, law, n)
     if c.feature_kind[first] == RIM:

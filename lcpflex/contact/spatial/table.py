@@ -111,6 +111,7 @@ class SpatialContactTable:
     bound: FloatArray = array("surfaces", 4)  # work: world centre of each surface, its deflection
     patch: FloatArray = array(2, "corners", 4)  # work: corners of a patch before and behind a cut, and a number of each
     trace: IntArray = array(2, "corners", 4)  # work: what made them
+    shift: FloatArray = array("shifts")  # work: Phi eta of the nodes of a surface, body axes: x, y, z of all
     plane: FloatArray = array("surfaces", 15)  # work: of planes n, a point, t1 and the dual edges; world axes
     compliant: IntArray = array("laws")  # as in the plane
     first: IntArray = array("declared")  # first surface of each declared contact, in tables that tell it
@@ -131,15 +132,16 @@ def spatial_contact_table(
     touching: float = math.inf,
     corners: int = 0,
     faces: FaceSizes | None = None,
+    nodes: int = 0,
 ) -> SpatialContactTable:
     """An empty table for ``capacity`` contacts between ``n_surfaces`` surfaces (those of the model it is used with).
 
     pairs: of the rule of that model, where it has one. corners: that a patch of that model has, at most. faces: what
-    open faces of that model need.
+    open faces of that model need. nodes: of the largest surface whose nodes are placed together.
     """
     return allocate(
         SpatialContactTable,
-        {"contacts": capacity, "surfaces": n_surfaces, "corners": corners},
+        {"contacts": capacity, "surfaces": n_surfaces, "corners": corners, "shifts": 3 * nodes},
         compliant=np.array(compliant, np.int64),
         first=np.zeros(0, np.int64),
         owner=np.zeros(0, np.int64),

@@ -16,7 +16,6 @@ from lcpflex.kinematics.spatial.vectors import (
     NOTHING,
     added,
     apart_from,
-    is_zero,
     row_vector,
     scaled,
     turned,
@@ -33,13 +32,15 @@ __all__ = [
     "frame_motion",
     "frame_of",
     "is_rigid",
-    "lay_side",
     "line_between",
     "line_rate",
     "mean_motion",
     "mean_place",
+    "mean_shape",
     "mean_spin",
+    "mean_undeformed",
     "mean_velocity",
+    "modal_sum",
     "place_in",
     "point_spin",
     "rigid_bias",
@@ -132,6 +133,25 @@ def modal_sum(points: SpatialPoints, field: FloatArray, p: int, values: FloatArr
 
 
 @kernel
+def modal_sums(
+    points: SpatialPoints, field: FloatArray, p: int, x: FloatArray, at: int, y: FloatArray, beside: int
+) -> tuple[Vector, Vector]:
+    """:func:`modal_sum` of two: the e that begin at ``at`` of x, and at ``beside`` of y. They wait for memory once."""
+    a = b = c = d = e = f = 0.0
+    start = points.start[p]
+    for k in range(points.start[p + 1] - start):
+        u, v, w = field[start + k, 0], field[start + k, 1], field[start + k, 2]
+        first, second = x[at + k], y[beside + k]
+        a += u * first
+        b += v * first
+        c += w * first
+        d += u * second
+        e += v * second
+        f += w * second
+    return (a, b, c), (d, e, f)
+
+
+@kernel
 def place_in(points: SpatialPoints, q: FloatArray, frame: Frame, p: int) -> Vector:
     """s of point p [m], in its frame."""
     place = row_vector(points.place, p)
@@ -188,6 +208,19 @@ def mean_shape(points: SpatialPoints, values: FloatArray, modal: int, mean: Mean
 
 
 @kernel
+def mean_shapes(
+    points: SpatialPoints, x: FloatArray, at: int, y: FloatArray, beside: int, mean: Mean
+) -> tuple[Vector, Vector]:
+    """:func:`mean_shape` of the e that begin at ``at`` of x, and of those at ``beside`` of y."""
+    a, d = modal_sums(points, points.phi, mean.a, x, at, y, beside)
+    if mean.number == 1:
+        return a, d
+    b, e = modal_sums(points, points.phi, mean.b, x, at, y, beside)
+    c, f = modal_sums(points, points.phi, mean.c, x, at, y, beside) if mean.number == 3 else (NOTHING, NOTHING)
+    return weighted(mean, a, b, c), weighted(mean, d, e, f)
+
+
+@kernel
 def mean_place(points: SpatialPoints, q: FloatArray, frame: Frame, mean: Mean) -> Vector:
     """Mean s [m], in the frame."""
     place = mean_undeformed(points, mean)
@@ -231,8 +264,8 @@ def flexible_motion(
     points: SpatialPoints, q: FloatArray, u: FloatArray, frame: Frame, motion: Motion, mean: Mean
 ) -> MeanMotion:
     """v and b in a flexible body, the weights being frozen."""
-    sweep = cross(motion.omega, added(mean_undeformed(points, mean), mean_shape(points, q, frame.modal, mean)))
-    flow = mean_shape(points, u, motion.modal, mean)
+    shape, flow = mean_shapes(points, q, frame.modal, u, motion.modal, mean)
+    sweep = cross(motion.omega, added(mean_undeformed(points, mean), shape))
     bias = cross(motion.omega, added(sweep, scaled(2.0, flow)))
     return MeanMotion(added(motion.v, turned(frame.A, added(sweep, flow))), turned(frame.A, bias))
 
@@ -289,90 +322,3 @@ def line_rate(
     if not is_rigid(points, a):
         rate = added(rate, apart_from(flow_in(points, u, motion, b), flow_in(points, u, motion, a)))
     return turned(frame.A, rate)
-
-
-@kernel
-def lay_block(row: FloatArray, sign: float, d: Vector, moment: Vector) -> None:
-    """Set a block to sign times what v and omega do along d; its modal part to 0."""
-    row[0] = sign * d[0]
-    row[1] = sign * d[1]
-    row[2] = sign * d[2]
-    row[3] = sign * moment[0]
-    row[4] = sign * moment[1]
-    row[5] = sign * moment[2]
-    for i in range(N_RIGID, len(row)):
-        row[i] = 0.0
-
-
-@kernel
-def add_modes(
-    points: SpatialPoints, field: FloatArray, p: int, a: Vector, b: Vector, c: Vector, normal: FloatArray,
-    first: FloatArray, second: FloatArray,
-) -> None:  # fmt: skip
-    """Add Phi_k.d or Psi_k.d of all modes k, for d = a, b, c in the frame, to the three rows."""
-    start = points.start[p]
-    for k in range(points.start[p + 1] - start):
-        x, y, z = field[start + k, 0], field[start + k, 1], field[start + k, 2]
-        normal[N_RIGID + k] += x * a[0] + y * a[1] + z * a[2]
-        first[N_RIGID + k] += x * b[0] + y * b[1] + z * b[2]
-        second[N_RIGID + k] += x * c[0] + y * c[1] + z * c[2]
-
-
-@kernel
-def add_material(
-    points: SpatialPoints, q: FloatArray, frame: Frame, p: int, weight: float, lever: Vector, n: Vector, t: Vector,
-    normal: FloatArray, first: FloatArray, second: FloatArray,
-) -> None:  # fmt: skip
-    """Add what the modes do at point p along weight times n, t and n x t, by a lever; all in the frame."""
-    a, b = scaled(weight, n), scaled(weight, t)
-    c = cross(n, b)
-    add_modes(points, points.phi, p, a, b, c, normal, first, second)
-    if is_zero(lever):
-        return
-    psi = modal_sum(points, points.psi, p, q, frame.modal)
-    T = tangent(psi[0], psi[1], psi[2])
-    a, b, c = cross(lever, a), cross(lever, b), cross(lever, c)
-    add_modes(points, points.psi, p, turned_back(T, a), turned_back(T, b), turned_back(T, c), normal, first, second)
-
-
-@kernel
-def lay_rigid(
-    frame: Frame, s: Vector, lever: Vector, sign: float, n: Vector, t: Vector, normal: FloatArray, first: FloatArray,
-    second: FloatArray,
-) -> None:  # fmt: skip
-    """The same of a rigid body, whose mean place is s."""
-    a, b = turned_back(frame.A, n), turned_back(frame.A, t)
-    arm = added(s, turned_back(frame.A, lever))
-    lay_block(normal, sign, n, cross(arm, a))
-    lay_block(first, sign, t, cross(arm, b))
-    lay_block(second, sign, cross(n, t), cross(arm, cross(a, b)))
-
-
-@kernel
-def lay_flexible(
-    points: SpatialPoints, q: FloatArray, frame: Frame, mean: Mean, lever: Vector, sign: float, n: Vector, t: Vector,
-    normal: FloatArray, first: FloatArray, second: FloatArray,
-) -> None:  # fmt: skip
-    """The same of a flexible one: a kernel of its own, as its code slows down what rigid bodies pass through."""
-    s = added(mean_undeformed(points, mean), mean_shape(points, q, frame.modal, mean))
-    lay_rigid(frame, s, lever, sign, n, t, normal, first, second)
-    a, b = turned_back(frame.A, n), turned_back(frame.A, t)
-    inner = turned_back(frame.A, lever)
-    for e in range(mean.number):
-        p = mean.a if e == 0 else (mean.b if e == 1 else mean.c)
-        add_material(points, q, frame, p, sign * mean.w[e], inner, a, b, normal, first, second)
-
-
-@kernel
-def lay_side(
-    points: SpatialPoints, q: FloatArray, frame: Frame, mean: Mean, lever: Vector, sign: float, n: Vector, t: Vector,
-    normal: FloatArray, first: FloatArray, second: FloatArray,
-) -> None:  # fmt: skip
-    """Set the blocks of a side in the rows along n, t1 = t and t2 = n x t1 to sign times its velocity along them.
-
-    lever, n, t: world axes.
-    """
-    if is_rigid(points, mean.a):
-        lay_rigid(frame, mean_undeformed(points, mean), lever, sign, n, t, normal, first, second)
-    else:
-        lay_flexible(points, q, frame, mean, lever, sign, n, t, normal, first, second)
