@@ -23,7 +23,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.layout import dimension, place_offsets
 from lcpflex.results.result import Result
 
-__all__ = ["unresolved"]
+__all__ = ["bodies_of", "hardest_push", "held_modes", "surfaces_of", "unresolved"]
 
 INSTANTS = 8  # stored in a push: fewer tell nothing of its duration
 NEAR_PEAK = 0.9  # of the greatest force: the pairs are those of the instants with more
@@ -40,9 +40,11 @@ def unresolved(result: Result) -> tuple[str, ...]:
         found.append(_few_pairs(result, law, name))
         duration = _push(result.times, result.impulse[:, law, 0])
         if duration > 0.0:
-            touched = _surfaces(result.compiled, law)
+            touched = surfaces_of(result.compiled, law)
             found += [_long_elements(result.compiled, name, b, duration) for b in _owners(result.compiled, touched)]
-            found += [_few_modes(result, result.compiled, name, b, duration) for b in _bodies(result.compiled, touched)]
+            found += [
+                _few_modes(result, result.compiled, name, b, duration) for b in bodies_of(result.compiled, touched)
+            ]
     return tuple(text for text in found if text)
 
 
@@ -93,52 +95,63 @@ def _long_elements(compiled: CompiledScene, name: str, b: int, duration: float) 
 
 def _few_modes(result: Result, compiled: CompiledScene, name: str, b: int, duration: float) -> str:
     """Where body b deforms, but its free modes that have mass end below what was excited."""
-    bodies = compiled.model.bodies
-    size = dimension(bodies)
-    first, last = int(bodies.dof[b]) + size.rigid, int(bodies.dof[b + 1])
-    own = bodies.stiffness[first - size.rigid * (b + 1) : last - size.rigid * (b + 1)]
+    own, held, static = held_modes(result, compiled, b)
     if not own.size:
         return ""
-    free = np.arange(len(own)) < len(own) - compiled.layout.residual[b][0]
-    # those of a massless boundary have displacements, but no velocity
-    bent = slice(int(place_offsets(bodies)[b]) + size.places, int(place_offsets(bodies)[b + 1]))
-    static = (result.u[:, first:last] == 0.0).all(axis=0) & (result.q[:, bent] != 0.0).any(axis=0)
-    held = free & ~static
     highest = math.sqrt(float(own[held].max(initial=0.0))) / (2.0 * math.pi)
     frequency = excited_frequency(duration)
     if highest >= frequency:
         return ""
-    kind = "dynamic modes" if static.any() else "free modes" if not free.all() else "modes"
+    kind = "dynamic modes" if static else "free modes" if compiled.layout.residual[b][0] else "modes"
     return (
         f"contact {name!r} pushed for {duration:.3g} s, which excites up to {frequency:.3g} Hz; the {kind} of "
         f"{compiled.layout.bodies[b]!r} ({np.count_nonzero(held)}) end at {highest:.3g} Hz: keep more"
     )
 
 
+def held_modes(result: Result, compiled: CompiledScene, b: int) -> tuple[FloatArray, NDArray[np.bool_], bool]:
+    """omega^2 of the modes of body b, which of them are free ones that have mass, and whether others have none."""
+    bodies = compiled.model.bodies
+    size = dimension(bodies)
+    first, last = int(bodies.dof[b]) + size.rigid, int(bodies.dof[b + 1])
+    own = np.asarray(bodies.stiffness[first - size.rigid * (b + 1) : last - size.rigid * (b + 1)])
+    free = np.arange(len(own)) < len(own) - compiled.layout.residual[b][0]
+    # those of a massless boundary have displacements, but no velocity
+    bent = slice(int(place_offsets(bodies)[b]) + size.places, int(place_offsets(bodies)[b + 1]))
+    static = (result.u[:, first:last] == 0.0).all(axis=0) & (result.q[:, bent] != 0.0).any(axis=0)
+    return own, free & ~static, bool(static.any())
+
+
 def _push(times: FloatArray, impulse: FloatArray) -> float:
     """Duration of the push that transfers most impulse [s]; 0 where it is not known."""
+    begin, end = hardest_push(times, impulse)
+    return end - begin
+
+
+def hardest_push(times: FloatArray, impulse: FloatArray) -> tuple[float, float]:
+    """When the push that transfers most impulse begins and ends [s]; both 0 where it is not known."""
     if len(times) < 2:
-        return 0.0
+        return 0.0, 0.0
     last = np.append(np.diff(times) > 0.0, True)  # events store their instant twice: nothing grows between
     times, impulse = times[last], impulse[last]
     grows = np.diff(impulse) > NO_GROWTH * float(np.abs(impulse).max(initial=0.0))
     edges = np.flatnonzero(np.diff(np.concatenate([[False], grows, [False]]).astype(np.int8)))
     pushes = [(float(impulse[end] - impulse[start]), int(start), int(end)) for start, end in pairwise(edges)][::2]
     if not pushes:
-        return 0.0
+        return 0.0, 0.0
     _, start, end = max(pushes)
-    ended = end < len(times) - 1
-    return float(times[end] - times[start]) if ended and end - start >= INSTANTS else 0.0
+    known = end < len(times) - 1 and end - start >= INSTANTS
+    return (float(times[start]), float(times[end])) if known else (0.0, 0.0)
 
 
-def _surfaces(compiled: CompiledScene, law: int) -> IntArray:
+def surfaces_of(compiled: CompiledScene, law: int) -> IntArray:
     """The surfaces of a contact."""
     contacts = compiled.model.contacts
     of_law = contacts.pass_law == law
     return np.concatenate([contacts.pass_node[of_law], contacts.pass_feature[of_law]])
 
 
-def _bodies(compiled: CompiledScene, surfaces: IntArray) -> list[int]:
+def bodies_of(compiled: CompiledScene, surfaces: IntArray) -> list[int]:
     """The bodies that surfaces belong to, but for the ground."""
     return [int(b) for b in np.unique(compiled.model.contacts.surface_body[surfaces]) if b >= 0]
 
@@ -164,4 +177,4 @@ def _surfaces_of_discs(compiled: CompiledScene, law: int) -> list[str]:
 def _owners(compiled: CompiledScene, surfaces: IntArray) -> list[int]:
     """The meshed bodies that surfaces belong to."""
     known = compiled.layout.resolutions
-    return [b for b in _bodies(compiled, surfaces) if known and known[b]]
+    return [b for b in bodies_of(compiled, surfaces) if known and known[b]]

@@ -127,6 +127,10 @@ def _choice(options: Options) -> tuple[str, ...]:
 def check_result(result: Result, setup: Setup, run: Run) -> Result:
     """With what looking at the whole run has to say of it."""
     result = replace(result, warnings=(*result.warnings, *unresolved(result), *rebounds(result), *kept_depths(result)))
+    if result.compiled is not None and len(result.compiled.model.bodies.stiffness):
+        from lcpflex.checks.flat_contacts import with_flat_contacts  # which rigid bodies do without
+
+        result = with_flat_contacts(result)
     step = getattr(run, "fixed_step", 0.0)
     result = with_axial_loads(_with_shared_bodies(result, step))
     if (calls := setup.system.calls) is not None:
