@@ -87,7 +87,8 @@ def simulate(
         step from the scene. None: event-driven stepping, but where more than twelve bodies may lie on each other or
         flexible ones may, where modes would take too many steps, and where it stops or takes too much work: then the
         run is begun anew with generalised-alpha (rigid piles: Moreau-Jean), at a step that is good for a first look.
-        A note of the result says which it is, why, and how to pin it; what is counted is the scene's, not the clock's.
+        Bodies with residual modes whose contacts will close point by point, not flat, get a massless boundary. A note
+        of the result says which it is, why, and how to pin it; what is counted is the scene's, not the clock's.
     record
         Time between stored instants [s]; a thousandth of the duration by default, and never less than a step; 0 stores
         each step. "dense": all that :meth:`Result.at` needs, each step and with ``EventDriven`` its middle, too.
