@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics.arguments import array_of, mapping_of, numbers
+from lcpflex.bodies.fem.checked_facets import check_facets
 from lcpflex.bodies.fem.checked_matrices import check_directions, check_free, check_units, symmetric
 from lcpflex.bodies.fem.finite_elements import FiniteElements, rigid_motions
 from lcpflex.bodies.fem.node_sets import node_numbers
@@ -55,7 +56,8 @@ class SpatialMatrices:
     Raises
     ------
     ModelError
-        For anything else: wrong shapes, NaN, unsymmetric matrices, a mass not positive, supports, unknown nodes.
+        For anything else: wrong shapes, NaN, unsymmetric matrices, a mass not positive, supports, unknown nodes,
+        facets that are clockwise seen from outside, or have the nodes amid their edges in another order.
 
     Warns
     -----
@@ -93,6 +95,7 @@ class SpatialMatrices:
             if len(np.unique(nodes)) != len(nodes):
                 raise ModelError(f"node_sets[{name!r}]: a node appears twice, expected each once")
         faces = _faces(mapping_of("faces", self.faces), len(places), sets)
+        check_facets(faces, stiffness, places)
         checked = {"mass": mass, "stiffness": stiffness, "coordinates": places, "node_sets": sets, "faces": faces}
         if self.damping is not None:
             checked["damping"] = symmetric("damping", self.damping, n, layout)

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from tests.solid_meshes import QUIET, bent, solid
+from tests import libs
+from tests.solid_meshes import QUIET, SOLIDS, STEEL, bent, solid
 
 
 @QUIET
@@ -43,3 +44,58 @@ def test_faces_that_cannot_be_are_refused(faces: Any, words: str) -> None:
     mesh = solid().finite_elements()
     with pytest.raises(lf.ModelError, match=words):
         lf.SpatialMatrices(mesh.mass, mesh.stiffness, mesh.places, {"foot": [0, 1]}, faces=faces)
+
+
+TURNED = {
+    3: [0, 2, 1],
+    4: [0, 3, 2, 1],
+    6: [0, 2, 1, 5, 4, 3],
+    8: [0, 3, 2, 1, 7, 6, 5, 4],
+    9: [0, 3, 2, 1, 7, 6, 5, 4, 8],
+}
+
+
+@QUIET
+@pytest.mark.parametrize("kind", SOLIDS)
+def test_facets_are_counter_clockwise_seen_from_outside(kind: str) -> None:
+    """Also on bent elements, and in a slot whose walls are heavier than its floor."""
+    mesh = solid(kind, (3, 2, 2), bent).finite_elements()
+    facets = mesh.facets
+    lf.SpatialMatrices(mesh.mass, mesh.stiffness, mesh.places, faces={"all": facets})
+    wrong = facets.copy()
+    wrong[2] = wrong[2][TURNED[facets.shape[1]]]
+    with pytest.raises(lf.ModelError, match=r"faces\['one'\]: 1 facet\(s\) are clockwise .* \(the first one is 2\)"):
+        lf.SpatialMatrices(mesh.mass, mesh.stiffness, mesh.places, faces={"one": wrong})
+
+
+def test_the_floor_of_a_slot_looks_up() -> None:
+    """Where the elements beside it reach far in front of it."""
+    x, y, z = np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 1.0]), np.array([0.0, 0.1, 2.0])
+    whole = libs.skfem.MeshHex1.init_tensor(x, y, z)
+    middle = whole.p[:, whole.t].mean(axis=1)
+    slotted = whole.remove_elements(np.flatnonzero((abs(middle[0] - 1.5) < 0.1) & (middle[2] > 0.1)))
+    mesh = lf.Solid(slotted, **STEEL).finite_elements()
+    at = mesh.places[mesh.facets]
+    floor = mesh.facets[(abs(at[..., 2] - 0.1) < 1e-9).all(axis=1) & (abs(at[..., 0].mean(axis=1) - 1.5) < 0.1)]
+    assert len(floor) == 1
+    lf.SpatialMatrices(mesh.mass, mesh.stiffness, mesh.places, faces={"floor": floor})
+    with pytest.raises(lf.ModelError, match="clockwise seen from outside"):
+        lf.SpatialMatrices(mesh.mass, mesh.stiffness, mesh.places, faces={"floor": floor[:, ::-1]})
+
+
+@QUIET
+@pytest.mark.parametrize(
+    ("kind", "order"),
+    [
+        ("tetra10", [0, 3, 1, 4, 2, 5]),
+        ("tetra10", [0, 1, 2, 4, 5, 3]),
+        ("hexahedron20", [0, 4, 1, 5, 2, 6, 3, 7]),
+        ("hexahedron20", [0, 1, 2, 3, 7, 4, 5, 6]),
+        ("hexahedron27", [0, 1, 2, 3, 4, 5, 6, 8, 7]),
+        ("hexahedron27", [8, 0, 1, 2, 3, 4, 5, 6, 7]),
+    ],
+)
+def test_nodes_amid_edges_are_behind_the_corners_in_their_order(kind: str, order: list[int]) -> None:
+    mesh = solid(kind, (3, 2, 2), bent).finite_elements()
+    with pytest.raises(lf.ModelError, match=r"faces\['end'\]: node \d+ of facet 0 is not near the middle of its edge"):
+        lf.SpatialMatrices(mesh.mass, mesh.stiffness, mesh.places, faces={"end": mesh.facets[:4][:, order]})
