@@ -177,7 +177,8 @@ class SpatialScene(Register):
         contact_nodes
             At how many nodes of its mesh a surface that touches gets residual modes at most, evenly spread: for normal
             forces, where there is friction for all. If omitted, as few as will do: none where the free modes give way
-            as the mesh does, to a hundredth, or else 3, 5 or 9; and none, with a warning, where 9 do not do.
+            as the mesh does, to a hundredth, or else 3, 5 or 9; and none, with a warning, where 9 do not do. A named
+            face, :meth:`SpatialPlaced.face`, gets them at all its nodes, or at so many patches of it.
         **planar
             What only the planar ``add`` has (``angle``): refused, with what is to be done in space.
         """
