@@ -11,6 +11,7 @@ from tests.examples import EXAMPLES, example
 
 STUDIES = (
     "ball_on_rod",
+    "ball_on_solid_block",
     "chain_of_rings",
     "claw",
     "claw_in_step",
