@@ -78,16 +78,24 @@ def mean_of(k: int, which: int) -> int:
 
 
 @kernel
-def begin_mean(memory: FaceMemory, k: int, which: int, body: int, modes: int) -> int:
-    """Make a mean of a body with so many modes, at 0, and not moving; the first of the rows of its modes."""
+def lay_mean(memory: FaceMemory, k: int, which: int, body: int, modes: int) -> int:
+    """Say that a mean of entry k is one of a body with so many modes; the first of the rows of its modes."""
     means = memory.means
     p = mean_of(k, which)
     first = (MEANS * k + which) * memory.modes
     means.body[p] = body
     means.start[p] = first
     means.start[p + 1] = first + modes
+    return first
+
+
+@kernel
+def begin_mean(memory: FaceMemory, k: int, which: int, body: int, modes: int) -> int:
+    """The same of one that is at 0 and does not move."""
+    means = memory.means
+    first = lay_mean(memory, k, which, body, modes)
     for c in range(3):
-        means.place[p, c] = 0.0
+        means.place[mean_of(k, which), c] = 0.0
     for i in range(first, first + modes):
         for c in range(3):
             means.phi[i, c] = 0.0
@@ -96,13 +104,13 @@ def begin_mean(memory: FaceMemory, k: int, which: int, body: int, modes: int) ->
 
 @kernel
 def copy_means(source: FaceMemory, i: int, target: FaceMemory, j: int) -> None:
-    """The means of entry i of one table become those of entry j of another (or the same)."""
+    """The means of entry i of one table become those of entry j of another, or the same ones of the same."""
     for which in range(MEANS):
-        p = mean_of(i, which)
-        modes = source.means.start[p + 1] - source.means.start[p]
-        first = begin_mean(target, j, which, source.means.body[p], modes)
+        p, to = mean_of(i, which), mean_of(j, which)
         start = source.means.start[p]
+        modes = source.means.start[p + 1] - start
+        first = lay_mean(target, j, which, source.means.body[p], modes)
         for c in range(3):
-            target.means.place[mean_of(j, which), c] = source.means.place[p, c]
+            target.means.place[to, c] = source.means.place[p, c]
             for m in range(modes):
                 target.means.phi[first + m, c] = source.means.phi[start + m, c]
