@@ -82,10 +82,11 @@ def choose(model: Model, compliance: ContactCompliance, work: Workspace, n: int)
 
 
 @kernel
-def soften(compliance: ContactCompliance, work: Workspace, n: int, total: int) -> None:
+def soften(compliance: ContactCompliance, work: Workspace, n: int, size: int) -> None:
     """Add the laws, linearised about the present gaps of the first n contacts, to their Gc and bc [m/N, m].
 
-    Not about less than some depth, where a law has next to no stiffness: its force there does not matter any more.
+    ``size``: rows of the problem. Not about less than some depth, where a law has next to no stiffness: its force
+    there does not matter any more.
     """
     if compliance.some[0] == 0:
         return
@@ -93,21 +94,23 @@ def soften(compliance: ContactCompliance, work: Workspace, n: int, total: int) -
     for k in range(n):
         if work.scratch.closed[k] == FOLLOWS:
             largest = max(largest, law_force(compliance, work, k))
+    wide = 2 * work.rows.across - 1  # rows of the problem from one normal to the next
     for k in range(n):
+        normal = wide * k
         law = work.rows.table.law[k]
         if work.scratch.closed[k] == FOLLOWS:
             history = compliance.history
             force = 0.5 * ACCURATE * max(largest, compliance.least[law])
             depth = max(-work.rows.table.gap[k], indentation_at(history.kinds[law], history.parameters[law], force))
             stiffness = pair_stiffness(history, law, NO_PLACE, depth)
-            work.posed.problem.delassus[k, k] += 1.0 / stiffness
-            work.posed.problem.free[k] += depth - pair_force(history, law, NO_PLACE, depth, 0.0)[1] / stiffness
+            work.posed.problem.delassus[normal, normal] += 1.0 / stiffness
+            work.posed.problem.free[normal] += depth - pair_force(history, law, NO_PLACE, depth, 0.0)[1] / stiffness
         elif work.scratch.closed[k] == YIELDS:
-            for r in range(total):
-                if r != k:
-                    work.posed.problem.delassus[k, r] = 0.0
-                    work.posed.problem.delassus[r, k] = 0.0
-            work.posed.problem.free[k] = abs(work.rows.table.gap[k])
+            for r in range(size):
+                if r != normal:
+                    work.posed.problem.delassus[normal, r] = 0.0
+                    work.posed.problem.delassus[r, normal] = 0.0
+            work.posed.problem.free[normal] = abs(work.rows.table.gap[k])
 
 
 @kernel

@@ -26,28 +26,40 @@ import numpy as np
 
 from lcpflex.basics.blas import one_thread
 from lcpflex.dynamics.mass_matrix import body_mass_matrix
+from lcpflex.dynamics.turned_modes import turned_model
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.jit.struct import pack
-from lcpflex.model.arrays import Bodies, Contacts, Model, Points, changed
+from lcpflex.jit.leaf import in_space
+from lcpflex.model.arrays import Bodies, Model, Points
 from lcpflex.model.coordinates import ALONG, ANGULAR
+from lcpflex.model.layout import dimension, place_offsets
 from lcpflex.model.planar import N_RIGID
 
-__all__ = ["PartedModes", "held_count", "part_modes"]
+__all__ = [
+    "PartedModes",
+    "Way",
+    "held_count",
+    "joint_ways",
+    "mass_at_rest",
+    "move_frame",
+    "part_modes",
+    "ways_of_point",
+]
 
 SHARE = 1e-5  # of the compliance of a body at a joint: what its static modes have less of is left to contacts
 NOTHING = 1e-12  # of the largest compliance of a body at its joints: none, as along an axis that does not stretch
 DEPENDENT = 1e-4  # square root of the share of the compliance that one more mode of joints must add
 SOFT = 1e-3  # stiffness of a spring by that of the static modes: they change what it holds by no more
 
-Way: TypeAlias = tuple[FloatArray, bool]  # (3 + n,) what frame and modes move by a unit each, and whether they turn
+Way: TypeAlias = tuple[FloatArray, bool]  # (3 + n,) what frame and modes move by a unit each, and whether they turn;
+# in space 6 + n, the frame in its own axes
 
 
 class PartedModes(NamedTuple):
     """A model whose static modes stay where joints and springs act, and its coordinates by the former ones.
 
     held: (ndof,) 1/omega^2 [s^2] of what keeps its mass for joints and springs, else 0.
-    ``turn``: by body the matrix T (3 + n, n) of its motion as it was, frame in its own axes and modes, by modal
-    coordinates of this model; None where they are the same.
+    ``turn``: by body the matrix T (3 + n, n), in space (6 + n, n), of its motion as it was, frame in its own axes and
+    modes, by modal coordinates of this model; None where they are the same.
     """
 
     model: Model
@@ -56,36 +68,48 @@ class PartedModes(NamedTuple):
     turn: tuple[FloatArray | None, ...]
 
     def coordinates(self, values: FloatArray) -> FloatArray:
-        """Coordinates of this model from those of the former one (ndof,)."""
+        """Coordinates of this model from those of the former one (nq,)."""
         out = values.copy()
-        for frame, modal, T in self._turned():
-            out[modal] = np.linalg.solve(T[N_RIGID:], values[modal])
-            _move_frame(out[frame], -1.0, T, out[modal])
+        for frame, modal, T in self._turned(place_offsets(self.model.bodies), dimension(self.model.bodies).places):
+            out[modal] = np.linalg.solve(T[self._rigid :], values[modal])
+            move_frame(self.model.bodies, out[frame], -1.0, T, out[modal])
         return out
 
     def velocities(self, values: FloatArray) -> FloatArray:
         """Velocities of this model nearest to those of the former one (ndof,), none of static coordinates."""
         nearest = values.copy()
-        for _, modal, T in self._turned():
-            nearest[modal] = T[N_RIGID:].T @ values[modal]
+        for _, modal, T in self._turned(self.model.bodies.dof, self._rigid):
+            nearest[modal] = T[self._rigid :].T @ values[modal]
         return np.where(self.flexibility > 0.0, 0.0, nearest)
 
     def former(self, values: FloatArray) -> FloatArray:
-        """Coordinates of the former model from those of this one (ndof,), or velocities, none of static coordinates."""
+        """Coordinates (nq,) of the former model from those of this one."""
         out = values.copy()
-        for frame, modal, T in self._turned():
-            _move_frame(out[frame], 1.0, T, values[modal])
-            out[modal] = T[N_RIGID:] @ values[modal]
+        for frame, modal, T in self._turned(place_offsets(self.model.bodies), dimension(self.model.bodies).places):
+            move_frame(self.model.bodies, out[frame], 1.0, T, values[modal])
+            out[modal] = T[self._rigid :] @ values[modal]
         return out
 
-    def _turned(self) -> Iterator[tuple[slice, slice, FloatArray]]:
-        """Coordinates of the frame and of the modes of each body that has a matrix, and this."""
-        for T, (first, last) in zip(self.turn, pairwise(self.model.bodies.dof.tolist()), strict=True):
+    def former_rates(self, values: FloatArray) -> FloatArray:
+        """Velocities (ndof,) of the former model from those of this one: static coordinates have none."""
+        out = values.copy()
+        for _, modal, T in self._turned(self.model.bodies.dof, self._rigid):
+            out[modal] = T[self._rigid :] @ values[modal]
+        return out
+
+    @property
+    def _rigid(self) -> int:
+        return dimension(self.model.bodies).rigid
+
+    def _turned(self, offsets: IntArray, count: int) -> Iterator[tuple[slice, slice, FloatArray]]:
+        """Numbers of the frame, ``count``, and of the modes of each body that has a matrix, and this."""
+        for T, (first, last) in zip(self.turn, pairwise(offsets.tolist()), strict=True):
             if T is not None:
-                yield slice(first, first + N_RIGID), slice(first + N_RIGID, last), T
+                yield slice(first, first + count), slice(first + count, last), T
 
 
-def _move_frame(frame: FloatArray, sign: float, T: FloatArray, modal: FloatArray) -> None:
+@in_space("lcpflex.dynamics.spatial.held_modes")
+def move_frame(bodies: Bodies, frame: FloatArray, sign: float, T: FloatArray, modal: FloatArray) -> None:
     """The frame (3,), in place, along with modal coordinates, or back: its axes are those of ``modal``'s own model."""
     x, y, turn = T[:N_RIGID] @ modal
     angle = frame[2] + min(sign, 0.0) * turn
@@ -99,9 +123,10 @@ def part_modes(model: Model, flexibility: FloatArray, q: FloatArray) -> PartedMo
     flexibility, taken = flexibility.copy(), np.zeros(len(flexibility))
     turn: list[FloatArray | None] = []
     stiffness = model.bodies.stiffness.copy()
+    rigid = dimension(model.bodies).rigid
     for b, (first, last) in enumerate(pairwise(model.bodies.dof.tolist())):
-        static = np.flatnonzero(flexibility[first + N_RIGID : last])
-        own = slice(first - N_RIGID * b, last - N_RIGID * (b + 1))
+        static = np.flatnonzero(flexibility[first + rigid : last])
+        own = _own(model, b)
         if not len(static):
             turn.append(None)
             continue
@@ -111,33 +136,34 @@ def part_modes(model: Model, flexibility: FloatArray, q: FloatArray) -> PartedMo
             turn.append(None)
             continue
         count, columns, squares = parts
-        whole = np.eye(last - first, last - first - N_RIGID, -N_RIGID)
-        whole[:N_RIGID, static] = columns[:N_RIGID]
-        whole[np.ix_(N_RIGID + static, static)] = columns[N_RIGID:]
+        whole = np.eye(last - first, last - first - rigid, -rigid)
+        whole[:rigid, static] = columns[:rigid]
+        whole[np.ix_(rigid + static, static)] = columns[rigid:]
         turn.append(whole)
         stiffness[own.start + static] = squares
-        flexibility[first + N_RIGID + static[:count]] = 0.0
-        flexibility[first + N_RIGID + static[count:]] = 1.0 / squares[count:]
-        taken[first + N_RIGID + static[:count]] = 1.0 / squares[:count]
-    return PartedModes(_turned(model, stiffness, turn), flexibility, taken, tuple(turn))
+        flexibility[first + rigid + static[:count]] = 0.0
+        flexibility[first + rigid + static[count:]] = 1.0 / squares[count:]
+        taken[first + rigid + static[:count]] = 1.0 / squares[:count]
+    return PartedModes(turned_model(model, stiffness, turn), flexibility, taken, tuple(turn))
 
 
 def _ways_of(model: Model, q: FloatArray, b: int, static: IntArray) -> list[Way]:
     """Where and how joints and springs hold body b."""
     omega2 = model.bodies.stiffness[_own(model, b)]
-    return [*_joint_ways(model, q, b), *_spring_ways(model, b, omega2, static)]
+    return [*joint_ways(model, q, b), *_spring_ways(model, b, omega2, static)]
 
 
 def _own(model: Model, b: int) -> slice:
     """The modes of body b among those of all."""
-    return slice(int(model.bodies.dof[b]) - N_RIGID * b, int(model.bodies.dof[b + 1]) - N_RIGID * (b + 1))
+    rigid = dimension(model.bodies).rigid
+    return slice(int(model.bodies.dof[b]) - rigid * b, int(model.bodies.dof[b + 1]) - rigid * (b + 1))
 
 
 def _held(ways: list[Way], omega2: FloatArray, static: IntArray) -> FloatArray:
     """(n, k) what unit forces and moments of joints and springs do on the modes of a body, where static ones matter."""
     kept = []
     for angular in (False, True):
-        some = [way[N_RIGID:] for way, is_angular in ways if is_angular == angular]
+        some = [way[-len(omega2) :] for way, is_angular in ways if is_angular == angular]
         columns = np.array(some).reshape(len(some), len(omega2)).T
         energy = columns**2 / omega2[:, None]
         whole, part = energy.sum(axis=0), energy[static].sum(axis=0)
@@ -145,7 +171,8 @@ def _held(ways: list[Way], omega2: FloatArray, static: IntArray) -> FloatArray:
     return np.hstack(kept)
 
 
-def _joint_ways(model: Model, q: FloatArray, b: int) -> list[Way]:
+@in_space("lcpflex.dynamics.spatial.held_modes")
+def joint_ways(model: Model, q: FloatArray, b: int) -> list[Way]:
     """How body b moves at its joints in the ways in which these may push it."""
     joints = model.joints
     found = []
@@ -154,7 +181,7 @@ def _joint_ways(model: Model, q: FloatArray, b: int) -> list[Way]:
         for point in ends:
             if model.points.body[point] == b:
                 guides = point == ends[1]
-                ways = _ways(model.points, point, kinds, guides)
+                ways = ways_of_point(model.points, point, kinds, guides)
                 forces = [k for k in range(first, last) if not ANGULAR[joints.kind[k]]]
                 turns = any(ANGULAR[kind] for kind in kinds)
                 if len(forces) == 1 and joints.kind[forces[0]] == ALONG and (guides or turns):
@@ -187,13 +214,14 @@ def _spring_ways(model: Model, b: int, omega2: FloatArray, static: IntArray) -> 
     ):
         for point in ends:
             if model.points.body[point] == b:
-                for way, angular in _ways(model.points, point, [kind], point == ends[1]):
-                    if value[0] * float(np.sum(way[N_RIGID + static] ** 2 / omega2[static])) > SOFT:
+                for way, angular in ways_of_point(model.points, point, [kind], point == ends[1]):
+                    if value[0] * float(np.sum(way[-len(omega2) :][static] ** 2 / omega2[static])) > SOFT:
                         found.append((way, angular))
     return found
 
 
-def _ways(points: Points, p: int, kinds: list[int], guides: bool) -> list[Way]:
+@in_space("lcpflex.dynamics.spatial.held_modes")
+def ways_of_point(points: Points, p: int, kinds: list[int], guides: bool) -> list[Way]:
     """Ways of a point along x and y, if relative coordinates of such kinds push it, and turning, if one turns it.
 
     ``guides``: it carries the line that a coordinate is measured along, so that what slides on it has a lever.
@@ -238,16 +266,17 @@ def _parts(
         return None
     held, still = span[:, :count], span[:, count:]
     soft = 1.0 / np.sqrt(omega2[static])
-    frame = np.zeros((N_RIGID, still.shape[1]))
+    rigid = dimension(model.bodies).rigid
+    frame = np.zeros((rigid, still.shape[1]))
     if still.shape[1]:
-        moving = np.concatenate([np.arange(N_RIGID), N_RIGID + static])
-        mass = body_mass_matrix(model.bodies, b, np.zeros(N_RIGID + len(omega2)))[np.ix_(moving, moving)]
+        moving = np.concatenate([np.arange(rigid), rigid + static])
+        mass = mass_at_rest(model, b)[np.ix_(moving, moving)]
         rows = np.array([way[moving] for way, _ in ways])
         fast = _fast(mass, rows, soft[:, None] * held, _of_unit_mass(soft, still, frame)[1][0])
-        frame, still = np.hstack([frame, fast[:N_RIGID]]), np.hstack([still, held @ fast[N_RIGID:]])
+        frame, still = np.hstack([frame, fast[:rigid]]), np.hstack([still, held @ fast[rigid:]])
         if fast.shape[1]:
-            held = held @ np.linalg.svd(fast[N_RIGID:])[0][:, fast.shape[1] :]
-    parts = [(held, np.zeros((N_RIGID, held.shape[1]))), (still, frame)]
+            held = held @ np.linalg.svd(fast[rigid:])[0][:, fast.shape[1] :]
+    parts = [(held, np.zeros((rigid, held.shape[1]))), (still, frame)]
     columns, squares = zip(*(_of_unit_mass(soft, part, along) for part, along in parts if part.shape[1]), strict=True)
     return held.shape[1], np.hstack(columns), np.concatenate(squares)
 
@@ -266,8 +295,9 @@ def _fast(mass: FloatArray, rows: FloatArray, given: FloatArray, square: float) 
 
     The ``rows`` (r, 3 + k) hold the body; each is of unit energy.
     """
-    basis = np.eye(N_RIGID + len(given), N_RIGID + given.shape[1])
-    basis[N_RIGID:, N_RIGID:] = given
+    rigid = len(mass) - len(given)
+    basis = np.eye(rigid + len(given), rigid + given.shape[1])
+    basis[rigid:, rigid:] = given
     mass, rows = basis.T @ mass @ basis, rows @ basis
     scale = 1.0 / np.sqrt(np.diag(mass))  # of metres, radians and modal coordinates
     rows = rows * scale
@@ -276,60 +306,12 @@ def _fast(mass: FloatArray, rows: FloatArray, given: FloatArray, square: float) 
     if not Z.shape[1]:
         return Z
     lower = np.linalg.inv(np.linalg.cholesky(Z.T @ mass @ Z))
-    squares, vectors = np.linalg.eigh(lower @ (Z[N_RIGID:].T @ Z[N_RIGID:]) @ lower.T)
+    squares, vectors = np.linalg.eigh(lower @ (Z[rigid:].T @ Z[rigid:]) @ lower.T)
     found = Z @ lower.T @ vectors[:, squares > square]
-    return np.asarray(found / np.linalg.norm(found[N_RIGID:], axis=0))
+    return np.asarray(found / np.linalg.norm(found[rigid:], axis=0))
 
 
-def _turned(model: Model, stiffness: FloatArray, turn: list[FloatArray | None]) -> Model:
-    """The model in the coordinates q' of q = T q'."""
-    if all(T is None for T in turn):
-        return model
-    bodies, points, contacts = model.bodies, model.points, model.contacts
-    flat = {name: getattr(bodies, name).copy() for name in ("S", "a", "c", "damping", *SQUARE)}
-    phi, psi, deflection = points.phi.copy(), points.psi.copy(), contacts.surface_deflection.copy()
-    for b, whole in enumerate(turn):
-        if whole is None:
-            continue
-        own, shift, T = _own(model, b), whole[:N_RIGID], whole[N_RIGID:]
-        its = np.flatnonzero(points.body == b)
-        for name in ("S", "a", "c"):
-            flat[name][own] = T.T @ flat[name][own]
-        _turn_squares(bodies, b, T, own, flat)
-        for p in its:
-            span = slice(points.start[p], points.start[p + 1])
-            x, y = points.place[p]
-            phi[span] = T.T @ phi[span] + shift[:2].T + shift[2][:, None] * np.array([-y, x])
-            psi[span] = T.T @ psi[span] + shift[2]
-        reach = np.hypot(shift[0], shift[1]) + np.abs(shift[2]) * np.hypot(*points.place[its].T).max()
-        for s in np.flatnonzero(contacts.surface_body == b):
-            deflection[s, : len(T)] = deflection[s, : len(T)] @ np.abs(T) + reach
-    return pack(
-        changed(
-            Model,
-            model,
-            bodies=changed(Bodies, bodies, stiffness=stiffness, **flat),
-            points=changed(Points, points, phi=phi, psi=psi),
-            contacts=changed(Contacts, contacts, surface_deflection=deflection),
-        )
-    )
-
-
-SQUARE = ("coupling", "cross_damping", "geometric")  # flat n x n matrices
-
-
-def _turn_squares(bodies: Bodies, b: int, T: FloatArray, own: slice, flat: dict[str, FloatArray]) -> None:
-    """T^T A T of each square matrix of body b, and of its damping, of which the diagonal stays where it had no more."""
-    damping = np.diag(bodies.damping[own])
-    for name in SQUARE:
-        start, end = getattr(bodies, f"{name}_start")[b : b + 2].tolist()
-        if end == start:
-            continue
-        matrix = flat[name][start:end].reshape(T.shape)
-        if name == "cross_damping":
-            damping = damping + matrix
-            matrix = damping
-        turned = T.T @ matrix @ T
-        turned = 0.5 * (turned - turned.T) if name == "coupling" else 0.5 * (turned + turned.T)  # but for rounding
-        flat[name][start:end] = (turned - np.diag(np.diag(turned)) if name == "cross_damping" else turned).ravel()
-    flat["damping"][own] = np.einsum("ki,kl,li->i", T, damping, T)
+@in_space("lcpflex.dynamics.spatial.held_modes")
+def mass_at_rest(model: Model, b: int) -> FloatArray:
+    """M (3 + n, 3 + n) of body b, unturned and undeformed; in space (6 + n, 6 + n)."""
+    return body_mass_matrix(model.bodies, b, np.zeros(int(model.bodies.dof[b + 1] - model.bodies.dof[b])))

@@ -133,6 +133,7 @@ WRITERS: dict[str, tuple[str, ...]] = {
         "lcpflex.dynamics.spatial.contact_blocks",
         "lcpflex.dynamics.spatial.gyroscopic",
         "lcpflex.dynamics.stable_step",
+        "lcpflex.steppers.spatial.massless_momenta",
     ),
     "Rows.solved": ("lcpflex.dynamics.position", "lcpflex.dynamics.stable_step"),  # by a matrix of their own
     "FreeMotion": (
@@ -150,7 +151,7 @@ WRITERS: dict[str, tuple[str, ...]] = {
         "lcpflex.steppers.smooth",
         "lcpflex.steppers.user_hooks",
     ),
-    "FreeMotion.u": ("lcpflex.dynamics.stable_step",),
+    "FreeMotion.u": ("lcpflex.dynamics.stable_step", "lcpflex.steppers.spatial.massless_momenta"),
     "FreeMotion.v": (
         "lcpflex.dynamics.large_island",
         "lcpflex.dynamics.spatial.delassus",
@@ -185,6 +186,7 @@ WRITERS: dict[str, tuple[str, ...]] = {
     "Impulses": (
         "lcpflex.dynamics.impulse",
         "lcpflex.dynamics.position",
+        "lcpflex.dynamics.spatial.position",
         "lcpflex.steppers.backup",
         "lcpflex.steppers.cold_islands",
         "lcpflex.steppers.generalized_alpha",
@@ -233,7 +235,9 @@ WRITERS: dict[str, tuple[str, ...]] = {
         "lcpflex.kinematics.joint_rows",
         "lcpflex.solvers",
         "lcpflex.steppers.island_problems",
+        "lcpflex.steppers.massless_boundary.step",
         "lcpflex.steppers.projection",
+        "lcpflex.steppers.spatial.massless_momenta",
         "lcpflex.steppers.spatial.projection",
     ),
 }

@@ -19,11 +19,13 @@ from lcpflex.dynamics.inertia import solve_block
 from lcpflex.dynamics.mechanics import factorise, solve_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import array, struct
 from lcpflex.kinematics.joint_rows import joint_rows
+from lcpflex.kinematics.modal_places import first_rate
 from lcpflex.model.arrays import Model
-from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.contact.compiled import sticks
+from lcpflex.solvers.semidefinite import dot
 
 __all__ = ["HeldRows", "admissible"]
 
@@ -37,7 +39,7 @@ class HeldRows:
     rows: FloatArray = array("joints", 2, "width")
     solved: FloatArray = array("joints", 2, "width")  # A^-1 rows
     row_body: IntArray = array("joints", 2)
-    wrench: FloatArray = array("joints", 3)
+    wrench: FloatArray = array("joints", "reaction")
     rate: FloatArray = array("joints")
     bias: FloatArray = array("joints")
     part: IntArray = array("joints")  # those that may matter
@@ -45,34 +47,37 @@ class HeldRows:
     size: FloatArray = array("joints")  # sums of the magnitudes of the terms of its diagonal
     pivot: FloatArray = array("joints")  # 0 of dependent rows
     order: IntArray = array("joints")  # of the pivots
-    coupling: FloatArray = array("pairs", "joints")  # of each contact row, eliminated
+    spring: IntArray = array("pairs")  # rows of the contact problem that are springs
+    coupling: FloatArray = array("pairs", "joints")  # of each of these rows, eliminated
     bodies: IntArray = array("bodies")  # 1: joints on it may matter
 
 
 @kernel
-def semidefinite(A: FloatArray, n: int, scale: FloatArray) -> bool:
+def semidefinite(A: FloatArray, n: int, scale: FloatArray, part: IntArray) -> bool:
     """Whether the symmetric A[:n, :n] is positive semidefinite; its lower triangle is overwritten by its factor.
 
-    To rounding, relative to the diagonal of ``scale`` (n, n): contacts at one place are redundant.
+    To rounding, relative to the diagonal of ``scale`` at the places ``part`` (n,): contacts at one place are redundant.
     """
     for i in range(n):
+        own = scale[part[i], part[i]]
         for j in range(i + 1):
             total = A[i, j]
             for k in range(j):
                 total -= A[i, k] * A[j, k]
             if j == i:
-                if total < -REDUNDANT * scale[i, i]:
+                if not total >= -REDUNDANT * own:
                     return False
-                A[i, i] = math.sqrt(total) if total > REDUNDANT * scale[i, i] else 0.0
+                A[i, i] = math.sqrt(total) if total > REDUNDANT * own else 0.0
             elif A[j, j] > 0.0:
                 A[i, j] = total / A[j, j]
-            elif total * total > REDUNDANT * scale[i, i] * scale[j, j]:
+            elif total * total > REDUNDANT * own * scale[part[j], part[j]]:
                 return False
             else:
                 A[i, j] = 0.0
     return True
 
 
+@in_space("lcpflex.dynamics.spatial.position")
 @kernel
 def stiffens(work: Workspace, r: int) -> bool:
     """Whether contact row r is a spring in the present solution: a normal that is closed, a tangent that sticks."""
@@ -88,8 +93,10 @@ def fast_modes(model: Model, square: float, flexibility: FloatArray) -> int:
     bodies = model.bodies
     count = 0
     for b in range(len(bodies.mass)):
-        for i in range(bodies.dof[b] + N_RIGID, bodies.dof[b + 1]):
-            if flexibility[i] == 0.0 and not bodies.stiffness[i - N_RIGID * (b + 1)] < square:
+        first = first_rate(model, b)
+        own = first - (first - bodies.dof[b]) * (b + 1)  # its place among the modes of all
+        for i in range(bodies.dof[b + 1] - first):
+            if flexibility[first + i] == 0.0 and not bodies.stiffness[own + i] < square:
                 count += 1
     return count
 
@@ -113,21 +120,17 @@ def admissible(
     fast = fast_modes(model, square, flexibility)
     if fast > 0 and joints == 0:
         return False
-    total = work.rows.n_contacts + work.rows.n_tangents
-    springs = 0
-    for r in range(total):
-        if stiffens(work, r):
-            springs += 1
+    springs = list_springs(work, held)
     if springs == 0 and fast == 0:
         return True
     factorise(model, q, 0.0, -1.0 / square, work)
-    for r in range(total):
-        if stiffens(work, r):
-            solve_rows(model, work.rows, joints + r, joints + r + 1)
-            clear_static(work, flexibility, joints + r)
+    for s in range(springs):
+        r = joints + work.posed.part[held.spring[s]]
+        solve_rows(model, work.rows, r, r + 1)
+        clear_static(model, work, flexibility, r)
     if fast == 0:
-        respond_as_springs(work, square, unit, total)
-        if semidefinite(work.scratch.G, total, work.posed.problem.delassus):
+        respond_as_springs(work, held, square, unit, springs)
+        if semidefinite(work.scratch.G, springs, work.posed.problem.delassus, held.spring):
             return True
         if joints == 0:
             return False
@@ -136,35 +139,47 @@ def admissible(
         return False
     if springs == 0:
         return True
-    respond_as_springs(work, square, unit, total)
-    add_held(work, held, n, total, 1.0 / (square * unit[1]))
-    return semidefinite(work.scratch.G, total, work.posed.problem.delassus)
+    respond_as_springs(work, held, square, unit, springs)
+    add_held(work, held, n, springs, 1.0 / (square * unit[1]))
+    return semidefinite(work.scratch.G, springs, work.posed.problem.delassus, held.spring)
 
 
 @kernel
-def respond_as_springs(work: Workspace, square: float, unit: FloatArray, total: int) -> None:
-    """G <- F - W^T A^-1 W / s of the contact rows that are springs, as if no joint held them; 1 of the others."""
-    joints = len(work.scratch.residual)
-    delassus(
-        work.rows.J[joints:], work.rows.solved[joints:], work.rows.body[joints:], work.posed.part, total, work.scratch.G
-    )
-    scale = 1.0 / (square * unit[1])
-    for r in range(total):
-        for s in range(r + 1):
-            if stiffens(work, r) and stiffens(work, s):
-                work.scratch.G[r, s] = work.posed.problem.delassus[r, s] - scale * work.scratch.G[r, s]
-            else:
-                work.scratch.G[r, s] = 1.0 if r == s else 0.0
+def list_springs(work: Workspace, held: HeldRows) -> int:
+    """held.spring: rows of the problem posed that are springs in its solution; how many there are."""
+    problem, part, count = work.posed.problem, work.posed.part, 0
+    for i in range(problem.n_contacts + problem.n_tangents):
+        if part[i] >= 0 and stiffens(work, part[i]):
+            held.spring[count] = i
+            count += 1
+    return count
 
 
 @kernel
-def clear_static(work: Workspace, flexibility: FloatArray, r: int) -> None:
+def respond_as_springs(work: Workspace, held: HeldRows, square: float, unit: FloatArray, springs: int) -> None:
+    """G <- F - W^T A^-1 W / s of the contact rows that are springs, as if no joint held them."""
+    rows, part, spring, joints = work.rows, work.posed.part, held.spring, len(work.scratch.residual)
+    scale, width, G, F = 1.0 / (square * unit[1]), rows.J.shape[2], work.scratch.G, work.posed.problem.delassus
+    for a in range(springs):
+        r = joints + part[spring[a]]
+        for b in range(a + 1):
+            s = joints + part[spring[b]]
+            total = 0.0
+            for i in range(2):
+                for j in range(2):
+                    if rows.body[r, i] >= 0 and rows.body[r, i] == rows.body[s, j]:
+                        total += dot(rows.J[r, i], rows.solved[s, j], 0, width)
+            G[a, b] = F[spring[a], spring[b]] - scale * total
+
+
+@kernel
+def clear_static(model: Model, work: Workspace, flexibility: FloatArray, r: int) -> None:
     """solved[r] without its static coordinates."""
     for i in range(2):
         b = work.rows.body[r, i]
         if b >= 0:
             d = work.rows.dof[b]
-            for k in range(N_RIGID, work.rows.dof[b + 1] - d):
+            for k in range(first_rate(model, b) - d, work.rows.dof[b + 1] - d):
                 if flexibility[d + k] > 0.0:
                     work.rows.solved[r, i, k] = 0.0
 
@@ -210,8 +225,10 @@ def mark_bodies(model: Model, square: float, flexibility: FloatArray, held: Held
     joints = len(work.scratch.residual)
     for b in range(len(bodies.mass)):
         held.bodies[b] = 0
-        for i in range(bodies.dof[b] + N_RIGID, bodies.dof[b + 1]):
-            if flexibility[i] == 0.0 and not bodies.stiffness[i - N_RIGID * (b + 1)] < square:
+        first = first_rate(model, b)
+        own = first - (first - bodies.dof[b]) * (b + 1)  # its place among the modes of all
+        for i in range(bodies.dof[b + 1] - first):
+            if flexibility[first + i] == 0.0 and not bodies.stiffness[own + i] < square:
                 held.bodies[b] = 1
     for r in range(work.rows.n_contacts):
         if stiffens(work, r):
@@ -259,15 +276,13 @@ def eliminate(held: HeldRows, n: int) -> int:
 
 
 @late_kernel
-def add_held(work: Workspace, held: HeldRows, n: int, total: int, scale: float) -> None:
+def add_held(work: Workspace, held: HeldRows, n: int, springs: int, scale: float) -> None:
     """Add to work.scratch.G what the n joint rows take from the answer of contact rows that are springs."""
     joints = len(work.scratch.residual)
-    for r in range(total):
-        if not stiffens(work, r):
-            continue
+    for r in range(springs):
         own = held.coupling[r]
         for a in range(n):
-            own[a] = coupled(work, held, held.part[a], joints + r)
+            own[a] = coupled(work, held, held.part[a], joints + work.posed.part[held.spring[r]])
         for step in range(n):
             a = held.order[step]
             if held.pivot[a] != 0.0:
@@ -275,11 +290,10 @@ def add_held(work: Workspace, held: HeldRows, n: int, total: int, scale: float) 
                     b = held.order[i]
                     own[b] -= held.S[b, a] / held.pivot[a] * own[a]
         for s in range(r + 1):
-            if stiffens(work, s):
-                other = held.coupling[s]
-                for a in range(n):
-                    if held.pivot[a] != 0.0:
-                        work.scratch.G[r, s] += scale * own[a] * other[a] / held.pivot[a]
+            other = held.coupling[s]
+            for a in range(n):
+                if held.pivot[a] != 0.0:
+                    work.scratch.G[r, s] += scale * own[a] * other[a] / held.pivot[a]
 
 
 @kernel

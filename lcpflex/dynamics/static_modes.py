@@ -12,6 +12,7 @@ and, without f, 1/2 q_S^T Omega_S^2 q_S = 1/2 lambda^T F lambda is the energy st
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -20,11 +21,27 @@ from lcpflex.contact.narrow_phase.feature import SEGMENT
 from lcpflex.dynamics.held_modes import held_count
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.jit.struct import pack
-from lcpflex.model.arrays import Bodies, Contacts, Loads, Model, Points, changed, frozen
-from lcpflex.model.planar import N_RIGID
+from lcpflex.jit.leaf import in_space
+from lcpflex.model.arrays import Bodies, Contacts, Model, Points, changed, replaced
+from lcpflex.model.layout import dimension, place_offsets
 
-__all__ = ["check_compliance", "compliance_at", "flexibilities", "shapes_at", "softest", "span_of", "with_static_modes"]
+__all__ = [
+    "amplitudes",
+    "at_rest",
+    "check_compliance",
+    "compliance_at",
+    "flexibilities",
+    "frame_axes",
+    "massless",
+    "shapes_at",
+    "softest",
+    "span_of",
+    "uncoupled",
+    "with_static_modes",
+]
+
+# of contacts: arrays of material points, in space those of neighbours of a feature and of faces, too
+POINTS_OF_CONTACTS = ("node_point", "feature_point", "fan", "side_across", "cell_point", "sample_point")
 
 RIGID = 1e-12  # a direction with less than this part of the greatest compliance at the point has none
 
@@ -51,7 +68,8 @@ def flexibilities(
         If no body with a contact has more than ``dynamic_modes`` modes, and some contact needs them.
     """
     dof = model.bodies.dof
-    modes = np.diff(dof) - N_RIGID
+    rigid = dimension(model.bodies).rigid
+    modes = np.diff(dof) - rigid
     touched = sorted({int(model.contacts.surface_body[s]) for s in _in_contact(model.contacts)} - {-1})
     largest = max((int(modes[b]) for b in touched), default=0)
     if touched and not soft.all() and not (dynamic_modes or 0) < largest:
@@ -65,8 +83,8 @@ def flexibilities(
     if dynamic_modes is None:
         touched = sorted({int(model.contacts.surface_body[s]) for s in _in_contact(model.contacts, soft)} - {-1})
     for b in touched:
-        first, last = int(dof[b]) + N_RIGID, int(dof[b + 1])
-        stiffness = model.bodies.stiffness[first - N_RIGID * (b + 1) : last - N_RIGID * (b + 1)]
+        first, last = int(dof[b]) + rigid, int(dof[b + 1])
+        stiffness = model.bodies.stiffness[first - rigid * (b + 1) : last - rigid * (b + 1)]
         order = np.argsort(stiffness, kind="stable")
         n = int(modes[b])
         if dynamic_modes is not None:
@@ -82,40 +100,42 @@ def flexibilities(
 
 def with_static_modes(model: Model, flexibility: FloatArray) -> Model:
     """The model with the modes of positive ``flexibility`` (ndof,) static, as the module says."""
+    rigid = dimension(model.bodies).rigid
     static = [
-        flexibility[int(d) + N_RIGID : int(e)] > 0.0
-        for d, e in zip(model.bodies.dof, model.bodies.dof[1:], strict=False)
+        flexibility[int(d) + rigid : int(e)] > 0.0 for d, e in zip(model.bodies.dof, model.bodies.dof[1:], strict=False)
     ]
-    flat = np.concatenate([*static, np.zeros(0, dtype=bool)])
-    given = model.bodies
-    bodies = changed(
-        Bodies,
-        given,
-        S=np.where(flat[:, None], 0.0, given.S),
-        a=np.where(flat, 0.0, given.a),
-        c=np.where(flat, 0.0, given.c),
-        damping=np.where(flat, 0.0, given.damping),
-        coupling=_uncoupled(given.coupling, given.coupling_start, static),
-        cross_damping=_uncoupled(given.cross_damping, given.cross_damping_start, static),
-        geometric=_uncoupled(given.geometric, given.geometric_start, static),
-    )
     points, place = _points(model, static)
-    loads = changed(Loads, model.loads, force_point=place[model.loads.force_point])
-    contacts = changed(
-        Contacts,
-        model.contacts,
-        node_point=place[model.contacts.node_point],
-        feature_point=place[model.contacts.feature_point],
+    loads = replaced(model.loads, force_point=place[model.loads.force_point])
+    given = model.contacts
+    named = {name: place[getattr(given, name)] for name in POINTS_OF_CONTACTS if hasattr(given, name)}
+    contacts = replaced(given, **named)
+    bodies = massless(model.bodies, static)
+    return replaced(model, bodies=bodies, points=points, loads=loads, contacts=contacts)
+
+
+@in_space("lcpflex.dynamics.spatial.static_modes")
+def massless(bodies: Bodies, static: list[npt.NDArray[np.bool_]]) -> Bodies:
+    """The bodies without the mass and damping of the modes ``static``, (n,) of each body."""
+    flat = np.concatenate([*static, np.zeros(0, dtype=bool)])
+    return changed(
+        Bodies,
+        bodies,
+        S=np.where(flat[:, None], 0.0, bodies.S),
+        a=np.where(flat, 0.0, bodies.a),
+        c=np.where(flat, 0.0, bodies.c),
+        damping=np.where(flat, 0.0, bodies.damping),
+        coupling=uncoupled(bodies.coupling, bodies.coupling_start, static),
+        cross_damping=uncoupled(bodies.cross_damping, bodies.cross_damping_start, static),
+        geometric=uncoupled(bodies.geometric, bodies.geometric_start, static),
     )
-    return pack(changed(Model, model, bodies=bodies, points=points, loads=loads, contacts=contacts))
 
 
-def _uncoupled(flat: FloatArray, start: IntArray, static: list[npt.NDArray[np.bool_]]) -> FloatArray:
-    """Flat square matrices with the rows and columns of static modes 0."""
+def uncoupled(flat: FloatArray, start: IntArray, static: list[npt.NDArray[np.bool_]]) -> FloatArray:
+    """Flat square matrices with the rows and columns of static modes 0; of numbers, or of several at each place."""
     flat = flat.copy()
     for b, still in enumerate(static):
         if start[b + 1] > start[b]:
-            block = flat[start[b] : start[b + 1]].reshape(len(still), len(still))
+            block = flat[start[b] : start[b + 1]].reshape(len(still), len(still), -1)
             block[still] = 0.0
             block[:, still] = 0.0
     return flat
@@ -124,7 +144,8 @@ def _uncoupled(flat: FloatArray, start: IntArray, static: list[npt.NDArray[np.bo
 def _points(model: Model, static: list[npt.NDArray[np.bool_]]) -> tuple[Points, IntArray]:
     """All points without static modes, then those of contacts and forces once more with them; and where these are."""
     points, contacts = model.points, model.contacts
-    pushed = np.unique(np.concatenate([contacts.node_point, contacts.feature_point.ravel(), model.loads.force_point]))
+    named = [np.ravel(getattr(contacts, name)) for name in POINTS_OF_CONTACTS if hasattr(contacts, name)]
+    pushed = np.unique(np.concatenate([*named, model.loads.force_point]))
     pushed = pushed[points.body[pushed] >= 0]
     place = np.arange(len(points.body))
     place[pushed] = len(points.body) + np.arange(len(pushed))
@@ -136,13 +157,24 @@ def _points(model: Model, static: list[npt.NDArray[np.bool_]]) -> tuple[Points, 
             psi[own][static[b]] = 0.0
     spans = [slice(points.start[p], points.start[p + 1]) for p in pushed]
     counts = np.diff(points.start)
-    return Points(
-        body=frozen(np.concatenate([points.body, points.body[pushed]]), np.int64),
-        place=frozen(np.concatenate([points.place, points.place[pushed]]), columns=2),
-        start=frozen(np.concatenate([[0], np.cumsum(np.concatenate([counts, counts[pushed]]))]), np.int64),
-        phi=frozen(np.concatenate([phi, *(points.phi[span] for span in spans)]), columns=2),
-        psi=frozen(np.concatenate([psi, *(points.psi[span] for span in spans)])),
+    return replaced(
+        points,
+        body=np.concatenate([points.body, points.body[pushed]]),
+        place=np.concatenate([points.place, points.place[pushed]]),
+        start=np.concatenate([[0], np.cumsum(np.concatenate([counts, counts[pushed]]))]).astype(np.int64),
+        phi=np.concatenate([phi, *(points.phi[span] for span in spans)]),
+        psi=np.concatenate([psi, *(points.psi[span] for span in spans)]),
     ), place
+
+
+def amplitudes(model: Model, q: FloatArray) -> FloatArray:
+    """(ndof,) the modal coordinates of q, each where its rate is in u; 0 for the rigid motions."""
+    found = np.zeros(int(model.bodies.dof[-1]))
+    rigid, places = dimension(model.bodies).rigid, place_offsets(model.bodies)
+    for (first, last), end in zip(pairwise(model.bodies.dof.tolist()), places[1:].tolist(), strict=True):
+        n = last - first - rigid
+        found[last - n : last] = q[end - n : end]
+    return found
 
 
 def _in_contact(contacts: Contacts, soft: IntArray | None = None) -> set[int]:
@@ -152,32 +184,43 @@ def _in_contact(contacts: Contacts, soft: IntArray | None = None) -> set[int]:
 
 
 def shapes_at(model: Model, p: int) -> tuple[FloatArray, slice]:
-    """Mode shapes (n, 2) at a point and the coordinates they belong to."""
+    """Mode shapes (n, 2), in space (n, 3), at a point and the coordinates they belong to, of all in u."""
     b = int(model.points.body[p])
     if b < 0:
-        return np.zeros((0, 2)), slice(0, 0)
-    first = int(model.bodies.dof[b]) + N_RIGID
+        return np.zeros((0, model.points.phi.shape[1])), slice(0, 0)
+    first = int(model.bodies.dof[b]) + dimension(model.bodies).rigid
     return model.points.phi[model.points.start[p] : model.points.start[p + 1]], slice(
         first, int(model.bodies.dof[b + 1])
     )
 
 
 def compliance_at(model: Model, flexibility: FloatArray, q: FloatArray, p: int) -> FloatArray:
-    """(2, 2) displacement of point p by a unit force at it, static modes only [m/N], world axes."""
+    """(2, 2) displacement of point p by a unit force at it, static modes only [m/N], world axes; in space (3, 3)."""
     phi, modes = shapes_at(model, p)
     local = phi.T @ (flexibility[modes, None] * phi)
-    b = int(model.points.body[p])
-    angle = q[model.bodies.dof[b] + 2] if b >= 0 else 0.0
-    A = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    A = frame_axes(model, q, int(model.points.body[p]))
     return np.asarray(A @ local @ A.T)
+
+
+@in_space("lcpflex.dynamics.spatial.static_modes")
+def frame_axes(model: Model, q: FloatArray, b: int) -> FloatArray:
+    """A of body b, columns being its axes in the world; of the ground, -1, those."""
+    angle = q[model.bodies.dof[b] + 2] if b >= 0 else 0.0
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
+@in_space("lcpflex.dynamics.spatial.static_modes")
+def at_rest(model: Model) -> FloatArray:
+    """q of all bodies as they were made: at the origin, unturned and undeformed."""
+    return np.zeros(int(model.bodies.dof[-1]))
 
 
 def softest(model: Model, flexibility: FloatArray) -> float:
     """Largest compliance of a point of a contact by the static modes of its body [m/N]."""
     contacts = model.contacts
-    at_rest = np.zeros(len(flexibility))
+    q = at_rest(model)
     points = np.unique(np.concatenate([contacts.node_point, contacts.feature_point.ravel()]))
-    found = (np.linalg.eigvalsh(compliance_at(model, flexibility, at_rest, int(p)))[1] for p in points)
+    found = (np.linalg.eigvalsh(compliance_at(model, flexibility, q, int(p)))[-1] for p in points)
     return float(max(found, default=0.0))
 
 
@@ -200,11 +243,12 @@ def check_compliance(
             nodes = span_of(contacts.node_start, contacts.pass_node[w])
             features = span_of(contacts.feature_start, contacts.pass_feature[w])
             own = [compliance_at(model, flexibility, q, int(contacts.node_point[s])) for s in nodes]
+            own = [F for F in own if F.any()] or own[:1]
             for f in features:
-                a, b = (int(p) for p in contacts.feature_point[f])
-                other = 0.5 * (compliance_at(model, flexibility, q, a) + compliance_at(model, flexibility, q, b))
+                ends = [compliance_at(model, flexibility, q, int(p)) for p in contacts.feature_point[f]]
+                other = sum(ends[1:], ends[0]) / len(ends)
                 for F in own:
-                    for i, found in enumerate(_directional(model, q, f, F + other)):
+                    for i, found in enumerate(directional(model, q, f, F + other)):
                         gives[i] = gives[i] or found
                 if all(gives):
                     break
@@ -223,7 +267,8 @@ def span_of(start: IntArray, of: int) -> range:
     return range(int(start[of]), int(start[of + 1]))
 
 
-def _directional(model: Model, q: FloatArray, f: int, F: FloatArray) -> tuple[bool, bool]:
+@in_space("lcpflex.dynamics.spatial.static_modes")
+def directional(model: Model, q: FloatArray, f: int, F: FloatArray) -> tuple[bool, bool]:
     """Whether F (2, 2) gives way along the normal and the tangent of a feature; for arcs, along any direction."""
     values, _vectors = np.linalg.eigh(F)
     if not values[1] > 0.0:

@@ -14,13 +14,14 @@ import numpy.typing as npt
 from lcpflex.basics.blas import one_thread
 from lcpflex.dynamics.mass_matrix import held_inverse, mass_matrix, null_space
 from lcpflex.dynamics.start import violation
-from lcpflex.dynamics.static_modes import compliance_at, shapes_at, span_of
+from lcpflex.dynamics.static_modes import at_rest, compliance_at, shapes_at, span_of
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
 from lcpflex.model.coordinates import ANGULAR
-from lcpflex.model.planar import N_RIGID
+from lcpflex.model.layout import dimension
 
-__all__ = ["Mobility", "contact_stiffness", "highest_square", "spring_rates"]
+__all__ = ["Mobility", "contact_stiffness", "ends_of", "highest_square", "spring_rates", "unit_motions"]
 
 LARGE = 1500  # coordinates from where on joints are not looked at for a guess: an eigenproblem takes seconds
 MEANT = 0.01  # of the largest compliance of a held surface: less is where no static mode was made for contacts
@@ -36,7 +37,7 @@ class Mobility:
         self._model, self._flexibility = model, flexibility
         moving = flexibility == 0.0
         held = held and moving.sum() <= LARGE
-        self._q = q if held else np.zeros(len(flexibility))
+        self._q = q if held else at_rest(model)
         M = mass_matrix(model, self._q)
         self._inverse: FloatArray | None = None
         self._M = M
@@ -46,24 +47,39 @@ class Mobility:
             self._inverse[within] = held_inverse(M[within], _jacobian(model, q)[:, moving])
 
     def __call__(self, p: int) -> tuple[FloatArray, float]:
-        """Acceleration of point p by a unit force (2, 2), body axes, and angular one by a unit torque."""
+        """Acceleration of point p by a unit force (2, 2), in space (3, 3), body axes, and the angular one by a torque.
+
+        In space the greatest, over all axes of the torque.
+        """
         model = self._model
         b = int(model.points.body[p])
         if b < 0:
-            return np.zeros((2, 2)), 0.0
-        phi, modes = shapes_at(model, p)
-        moving = self._flexibility[modes] == 0.0
-        x, y = model.points.place[p]
-        cos, sin = math.cos(self._q[model.bodies.dof[b] + 2]), math.sin(self._q[model.bodies.dof[b] + 2])
-        rows = np.vstack([np.array([[cos, -sin], [sin, cos], [-y, x]]), moving[:, None] * phi])
-        psi = model.points.psi[model.points.start[p] : model.points.start[p + 1]]
-        turn = np.concatenate([[0.0, 0.0, 1.0], moving * psi])
+            return np.zeros((model.points.phi.shape[1],) * 2), 0.0
+        _, modes = shapes_at(model, p)
+        rows, turn = unit_motions(model, self._q, p, self._flexibility[modes] == 0.0)
         own = slice(model.bodies.dof[b], model.bodies.dof[b + 1])
         if self._inverse is not None:
             inverse = self._inverse[own, own]
-            return np.asarray(rows.T @ inverse @ rows), float(turn @ inverse @ turn)
+            return np.asarray(rows.T @ inverse @ rows), _largest(turn.T @ inverse @ turn)
         block = self._M[own, own]
-        return np.asarray(rows.T @ np.linalg.solve(block, rows)), float(turn @ np.linalg.solve(block, turn))
+        return np.asarray(rows.T @ np.linalg.solve(block, rows)), _largest(turn.T @ np.linalg.solve(block, turn))
+
+
+def _largest(square: FloatArray) -> float:
+    """Its largest eigenvalue; square: a number, or symmetric."""
+    return float(np.linalg.eigvalsh(square)[-1]) if square.ndim else float(square)
+
+
+@in_space("lcpflex.dynamics.spatial.step_guess")
+def unit_motions(model: Model, q: FloatArray, p: int, moving: npt.NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
+    """Generalised unit forces (3 + n, 2) at point p of a body, in its axes, and a torque (3 + n,); ``moving`` (n,)."""
+    phi, _ = shapes_at(model, p)
+    x, y = model.points.place[p]
+    angle = q[model.bodies.dof[model.points.body[p]] + 2]
+    cos, sin = math.cos(angle), math.sin(angle)
+    rows = np.vstack([np.array([[cos, -sin], [sin, cos], [-y, x]]), moving[:, None] * phi])
+    psi = model.points.psi[model.points.start[p] : model.points.start[p + 1]]
+    return rows, np.concatenate([[0.0, 0.0, 1.0], moving * psi])
 
 
 def _jacobian(model: Model, q: FloatArray) -> FloatArray:
@@ -78,7 +94,8 @@ def highest_square(model: Model, q: FloatArray, flexibility: FloatArray) -> floa
     """
     dof = model.bodies.dof
     K = np.zeros(int(dof[-1]))
-    K[np.concatenate([np.arange(first + N_RIGID, last) for first, last in pairwise(dof.tolist())])] = (
+    rigid = dimension(model.bodies).rigid
+    K[np.concatenate([np.arange(first + rigid, last) for first, last in pairwise(dof.tolist())])] = (
         model.bodies.stiffness
     )
     moving = flexibility == 0.0
@@ -97,7 +114,7 @@ def highest_square(model: Model, q: FloatArray, flexibility: FloatArray) -> floa
 
 def spring_rates(model: Model, flexibility: FloatArray) -> tuple[float, float]:
     """Upper bounds of the squared frequency [1/s^2] and of the rate of decay [1/s] that springs and dampers add."""
-    mobility = Mobility(model, flexibility, np.zeros(len(flexibility)), held=False)
+    mobility = Mobility(model, flexibility, at_rest(model), held=False)
     loads = model.loads
     square, rate = 0.0, 0.0
     for kind, ends, (stiffness, damping, _) in zip(
@@ -106,7 +123,7 @@ def spring_rates(model: Model, flexibility: FloatArray) -> tuple[float, float]:
         total = 0.0
         for p in ends:
             push, twist = mobility(int(p))
-            total += twist if ANGULAR[kind] else float(np.linalg.eigvalsh(push)[1])
+            total += twist if ANGULAR[kind] else float(np.linalg.eigvalsh(push)[-1])
         square += stiffness * total
         rate += damping * total
     return square, rate
@@ -128,7 +145,7 @@ def contact_stiffness(
     contacts, largest = model.contacts, 0.0
     for a, b, own in zip(contacts.pass_node, contacts.pass_feature, give, strict=True):
         nodes = [(int(contacts.node_point[s]), contacts.node_normal[s]) for s in span_of(contacts.node_start, a)]
-        features = [end for f in span_of(contacts.feature_start, b) for end in _ends(model, f)]
+        features = [end for f in span_of(contacts.feature_start, b) for end in ends_of(model, f)]
         sides = [
             _stiffest(model, mobility, flexibility, side, own, _is_held(model, s, is_held))
             for s, side in ((a, nodes), (b, features))
@@ -139,7 +156,8 @@ def contact_stiffness(
     return largest
 
 
-def _ends(model: Model, f: int) -> list[tuple[int, FloatArray]]:
+@in_space("lcpflex.dynamics.spatial.step_guess")
+def ends_of(model: Model, f: int) -> list[tuple[int, FloatArray]]:
     """Points of a feature, each with the normal of a segment, or zeros, in the frame of its body."""
     a, b = (int(p) for p in model.contacts.feature_point[f])
     along = model.points.place[b] - model.points.place[a]
@@ -166,13 +184,13 @@ def _stiffest(
     ``held``: among those with some of the largest F_NN.
     """
     stiffest = 0.0, 0.0
-    at_rest = np.zeros(int(model.bodies.dof[-1]))
+    q = at_rest(model)
     found = []
     for p, normal in side:
-        F = compliance_at(model, flexibility, at_rest, p)
+        F = compliance_at(model, flexibility, q, p)
         values, vectors = np.linalg.eigh(F)
-        n = normal if normal.any() else vectors[:, 1]
-        found.append((p, n, float(n @ F @ n), float(values[1])))
+        n = normal if normal.any() else vectors[:, -1]
+        found.append((p, n, float(n @ F @ n), float(values[-1])))
     least = MEANT * max((soft for _, _, soft, _ in found), default=0.0) if held else 0.0
     for p, n, soft, softest in found:
         if give > 0.0 or (soft > 1e-6 * softest and soft >= least):

@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.struct import pack, with_parts
 
 __all__ = [
     "Axis",
@@ -36,6 +37,7 @@ __all__ = [
     "empty",
     "frozen",
     "refrozen",
+    "replaced",
 ]
 
 T = TypeVar("T")
@@ -233,6 +235,19 @@ def changed(kind: type[N], values: N, **changes: Any) -> N:
         name: frozen(value, value.dtype) if name in changes and isinstance(value, np.ndarray) else value
         for name, value in taken.items()
     })  # fmt: skip
+
+
+def replaced(values: N, **changes: Any) -> N:
+    """Named arrays, packed, some of them replaced: of the plane or of space, read-only where they were."""
+    parts = {}
+    for name, value in changes.items():
+        if isinstance(value, np.ndarray):
+            part = frozen(value, value.dtype)
+            part.setflags(write=getattr(values, name).flags.writeable)
+            parts[name] = part
+        else:
+            parts[name] = pack(value)
+    return with_parts(pack(values), parts)
 
 
 class PointTable:

@@ -131,7 +131,6 @@ def set_up(
         system = replace(system, model=for_system(system.model, system.probe, options.duration))
     system = replace(system, intervals=rates_of(source.sensors, options.duration, options.interval))
     _check_solver(stepper, system)
-    _check_space(stepper, system)
     problem_log = None
     if record_problems is not None:
         # asked when a problem comes: the pairs of a run that is restored are those of its file
@@ -146,17 +145,6 @@ def _indents(stepper: Stepper) -> Callable[[str], bool] | None:
     """Which contacts the stepper gives a force law."""
     indents: Callable[[str], bool] | None = getattr(stepper, "indents", None)
     return indents
-
-
-def _check_space(stepper: Stepper, system: System) -> None:
-    """Refuse what contacts in space are not offered with yet: it would run, and be wrong."""
-    if not is_spatial(system.model) or not len(system.model.contacts.friction):
-        return
-    if not getattr(stepper, "takes_spatial_contacts", False):
-        raise ModelError(
-            f"stepper: {shown(stepper)} was given for a SpatialScene with contacts, expected MoreauJean, "
-            "GeneralizedAlpha, EventDriven or Smooth: the other takes contacts in the plane so far"
-        )
 
 
 def _check_solver(stepper: Stepper, system: System) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -179,6 +180,47 @@ def test_another_choice_for_inertial_forces_is_refused(wrong: Any) -> None:
         lf.MoreauJean(1e-3, gyroscopic=wrong)
 
 
-def test_the_massless_boundary_is_not_for_space() -> None:
-    with pytest.raises(lf.ModelError, match="MasslessBoundary was given for a SpatialScene"):
-        lf.simulate(dzhanibekov(), 1.0, lf.MasslessBoundary(1e-3))
+def pressed_on_a_node(friction: float, speed: float) -> lf.SpatialScene:
+    """A block that turns and is pressed on one of its nodes, which stays closed."""
+    solid = lf.Solid.box(
+        (0.06, 0.04, 0.03), elements=(2, 2, 1), density=7850.0, youngs_modulus=2.1e9, poissons_ratio=0.3
+    )
+    places = solid.finite_elements().places
+    node = int(np.argmin(np.linalg.norm(places - [0.0, 0.0, -0.015], axis=1)))
+    scene = lf.SpatialScene(gravity=(300.0, 0.0, -2e3))
+    spin = (3.0, 5.0, 40.0) if friction < 1.0 else (0.0, 0.0, 0.0)
+    body = scene.add(solid.reduce(6, contact=[node]), position=(0.0, 0.0, 0.015), velocity=(speed, 0.0, 0.0),
+                     angular_velocity=spin)  # fmt: skip
+    floor = scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    scene.contact(body.node((0.0, 0.0, -0.015)), floor, friction=friction, name="floor")
+    return scene
+
+
+@pytest.mark.filterwarnings("ignore:mesh. its stiffness:lcpflex.ModelWarning")
+@pytest.mark.parametrize(
+    ("friction", "speed", "order", "within"),
+    [(0.0, 0.0, 2.0, 0.1), (3.0, 0.0, 2.0, (0.4, 0.1)), (0.1, 0.5, 1.0, 0.15)],
+    ids=["without friction", "sticks", "slides in a curve"],
+)
+def test_order_of_the_massless_boundary(
+    friction: float, speed: float, order: float, within: float | tuple[float, float]
+) -> None:
+    """2 while a contact stays as it is; friction is that of the slip over the step, of order 1 where that turns.
+
+    What sticks has a little of that: the static deflection turns with its body.
+    """
+    steps = (4e-6, 2e-6, 1e-6, 5e-7)
+    ends = []
+    for step in steps:
+        stepper = lf.MasslessBoundary(step=step, safety=1.0, solver_tolerance=1e-12)
+        result = lf.simulate(pressed_on_a_node(friction, speed), 4e-4, stepper, record=4e-4)
+        ends.append(np.concatenate([result.q[-1], 1e-4 * result.u[-1]]))
+    errors = [float(np.linalg.norm(a - b)) for a, b in pairwise(ends)]
+    assert_rate(steps[:-1], errors, order, within)
+
+
+def test_massless_boundary_has_order_two_in_free_flight() -> None:
+    steps = (4e-3, 2e-3, 1e-3)
+    ends = [lf.simulate(dzhanibekov(), 2.0, lf.MasslessBoundary(step=h), record=2.0).u[-1] for h in (*steps, 1e-4)]
+    errors = [float(np.linalg.norm(end - ends[-1])) for end in ends[:-1]]
+    assert_rate(steps, errors, 2.0, 0.2)

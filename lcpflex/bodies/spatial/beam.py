@@ -34,7 +34,7 @@ from lcpflex.bodies.spatial.beam_stiffening import BeamStiffening, Section, beam
 from lcpflex.bodies.spatial.body import SpatialBody
 from lcpflex.bodies.spatial.elastic import ElasticMesh, Integrals, PointOperator, Surface
 from lcpflex.bodies.spatial.flexible import check_deformation, flexible_body
-from lcpflex.bodies.spatial.interfaces import interface_columns, unit_loads
+from lcpflex.bodies.spatial.interfaces import contact_columns, interface_columns, unit_loads
 from lcpflex.errors import ModelError, as_number, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import frozen
@@ -175,7 +175,8 @@ class SpatialBeam:
         find = partial(_found, self, line)
         loads = interface_columns(find, len(mesh.rank), places)
         found, n = loaded_basis(mesh, loads, n, held)
-        residual = Residual(len(found[0]) - n, 0, residual_damping)
+        touched = min(contact_columns(find, len(mesh.rank), places), len(found[0]) - n)
+        residual = Residual(len(found[0]) - n, touched, residual_damping)
         basis = _by_strain(self._strains(line), found)
         return flexible_body(
             mesh, basis if stiff is None else stiff.modes(basis), damping, residual, second_order,

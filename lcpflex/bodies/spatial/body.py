@@ -109,6 +109,8 @@ class SpatialBody:
         to their mass centre
     resolution : what the mesh can resolve; None where it has none
     residual_modes : how many of the last coordinates are residual modes, the static response at interfaces
+    contact_modes : how many of these interfaces of contacts have added; where there are some, ``MasslessBoundary``
+        makes residual modes static that joints and springs do not need
     recovery : what its section forces or stresses are recovered from; None where they cannot be
     reduction : by how many modes of its mesh it was made, and what makes it with more; None where that is not known
     mesh_modes : its modes on its mesh; None where it has none
@@ -143,6 +145,7 @@ class SpatialBody:
     origin: FloatArrayOrNone = None  # type: ignore[assignment]
     resolution: Resolution | None = field(default=None, repr=False)
     residual_modes: int = 0
+    contact_modes: int = 0
     recovery: SpatialLineShapes | MeshShapes | None = field(default=None, repr=False)
     reduction: Reduction[SpatialBody] | None = field(default=None, repr=False)
     mesh_modes: MeshModes | None = field(default=None, repr=False)
@@ -176,7 +179,8 @@ class SpatialBody:
             raise ModelError("cross_damping: its diagonal belongs into damping, expected zeros there")
         if self.geometric is not None and not np.array_equal(self.geometric, self.geometric.transpose(0, 2, 1)):
             raise ModelError("geometric: a matrix that was given is not symmetric, expected G_ij = G_ij^T")
-        object.__setattr__(self, "residual_modes", whole_number("residual_modes", self.residual_modes, 0, n))
+        for name, most in (("residual_modes", n), ("contact_modes", self.residual_modes)):
+            object.__setattr__(self, name, whole_number(name, getattr(self, name), 0, most))
         self._check_others(n)
         if not isinstance(self.mesh_modes, MeshModes | None):
             raise ModelError(

@@ -119,6 +119,7 @@ def flexible_body(
         origin=origin,
         resolution=resolution,
         residual_modes=residual.modes,
+        contact_modes=residual.of_contacts,
         recovery=None if recover is None else recover(shapes),
         reduction=reduction,
         mesh_modes=MeshModes(mesh.mass, shapes),

@@ -15,7 +15,7 @@ from lcpflex.jit.kernel import FloatArray
 if TYPE_CHECKING:
     from lcpflex.bodies.spatial.body import SpatialBody, SpatialPoint
 
-__all__ = ["Find", "interface_columns", "point_at", "unit_loads"]
+__all__ = ["Find", "contact_columns", "interface_columns", "point_at", "unit_loads"]
 
 Find: TypeAlias = Callable[[str, Any], PointOperator]  # argument in messages, place of an interface -> the point there
 
@@ -37,6 +37,12 @@ def interface_columns(find: Find, f: int, interfaces: Sequence[Any]) -> FloatArr
         if one.moment and operator.turns:
             columns.append(_moments(operator, f))
     return np.hstack(columns)
+
+
+def contact_columns(find: Find, f: int, interfaces: Sequence[Any]) -> int:
+    """How many of these are at interfaces that something touches."""
+    touched = [one for one in interfaces if not isinstance(one, Interface) or one.contact]
+    return interface_columns(find, f, touched).shape[1]
 
 
 def unit_loads(find: Find, f: int, place: Any) -> FloatArray:

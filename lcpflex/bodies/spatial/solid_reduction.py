@@ -24,7 +24,7 @@ from lcpflex.bodies.reduction.normal_rows import normal_boundary_basis, normal_l
 from lcpflex.bodies.spatial.body import SpatialBody
 from lcpflex.bodies.spatial.elastic import PointOperator
 from lcpflex.bodies.spatial.flexible import check_deformation, flexible_body
-from lcpflex.bodies.spatial.interfaces import Find, interface_columns, unit_loads
+from lcpflex.bodies.spatial.interfaces import Find, contact_columns, interface_columns, unit_loads
 from lcpflex.bodies.spatial.nodes import NodePoints
 from lcpflex.bodies.spatial.solid_mesh import solid_mesh
 from lcpflex.errors import ModelError, in_range, shown
@@ -108,10 +108,12 @@ def reduce_solid(
         if damping is not None and modes is not None:
             check_damping(damping, min(modes, most) if isinstance(modes, int) else 0)
         loads = interface_columns(_finder(mesh), len(mesh.dofs), held_at)
+        touched = contact_columns(_finder(mesh), len(mesh.dofs), held_at)
         if contact is not None:
-            loads = np.hstack([loads, _contact_columns(mesh, contact, rows)])
+            own = _contact_columns(mesh, contact, rows)
+            loads, touched = np.hstack([loads, own]), touched + own.shape[1]
         found, n = loaded_basis(mesh, loads, modes, held)
-        residual = Residual(len(found[0]) - n, 0, residual_damping)
+        residual = Residual(len(found[0]) - n, min(touched, len(found[0]) - n), residual_damping)
     again = None
     if basis is None:
         again = reduction_by(

@@ -85,7 +85,7 @@ def compiled_spatial_scene(
         circles=(),
         points=named,
         resolutions=tuple(None for _ in parts.placed),
-        residual=tuple((body.residual_modes, 0) for body in parts.bodies),
+        residual=tuple((body.residual_modes, body.contact_modes) for body in parts.bodies),
         axes=tuple(None for _ in parts.placed),
         shapes=tuple(body.shape for body in parts.bodies),
         rule_surfaces=tuple(surface.label for surface in rule.surfaces) if rule else (),

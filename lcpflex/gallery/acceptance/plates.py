@@ -32,7 +32,7 @@ def checks() -> tuple[Check, ...]:
         "Moreau-Jean": Entry(MoreauJean(step=1e-3 * BALL_TIME), MODES),
         "event-driven": Entry(EventDriven(rtol=1e-8), MODES),
         "generalised-alpha": Refused(GeneralizedAlpha(step=1e-3 * BALL_TIME), "force law", "takes no force laws"),
-        "massless boundary": Refused(MasslessBoundary(), "SpatialScene", "is planar so far"),
+        "massless boundary": Refused(MasslessBoundary(), "force law", "takes a law as compliance, without its damping"),
         "smooth": Entry(case.stepper, MODES),
     }
     return (Check(case, quantities, entries, record=BALL_TIME / 200.0),)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.gallery.acceptance.check import Check, Entries, Entry, Quantity, Refused
+from lcpflex.gallery.acceptance.check import Check, Entries, Entry, Quantity
 from lcpflex.gallery.mechanisms.space import cases
 from lcpflex.steppers.event_driven.stepper import EventDriven
 from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from lcpflex.runs.case import Case
 
 __all__ = ["checks"]
-
-PLANAR = Refused(MasslessBoundary(), "SpatialScene", "is made for contacts, which are planar so far")
 
 
 def checks() -> tuple[Check, ...]:
@@ -43,7 +41,7 @@ def _entries(step: float, rtol: float = 1e-8) -> Entries:
         "Moreau-Jean": Entry(MoreauJean(step=step)),
         "event-driven": Entry(EventDriven(rtol=rtol)),
         "generalised-alpha": Entry(GeneralizedAlpha(step=step)),
-        "massless boundary": PLANAR,
+        "massless boundary": Entry(MasslessBoundary(step=step)),
         "smooth": Entry(Smooth(integrator=ExplicitRungeKutta(rtol=rtol))),
     }
 

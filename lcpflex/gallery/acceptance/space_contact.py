@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["checks"]
 
-RIGID_BODIES = Refused(MasslessBoundary(), "SpatialScene", "is made for bodies that deform, in the plane so far")
+RIGID_BODIES = Refused(MasslessBoundary(), "compliance", "rigid bodies have no modes that could be massless")
 GIVES = "the floor gives way, and friction is regularised"
 ROLLS = "rolling creeps under regularised friction, and the floor gives way"
 LOOSE = ExplicitRungeKutta(rtol=1e-6, atol=1e-9)

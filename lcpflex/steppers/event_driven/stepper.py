@@ -344,7 +344,6 @@ class EventDriven:
     most_events: float | None = None
     solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
-    takes_spatial_contacts: ClassVar[bool] = True  # with two directions of friction
     keeps_dense: ClassVar[bool] = True  # that a negative interval asks for the dense output, see ``start``
 
     def __post_init__(self) -> None:

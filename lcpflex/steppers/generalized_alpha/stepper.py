@@ -26,7 +26,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any
 
 from lcpflex.basics.options import keep_number, keep_number_or_none
 from lcpflex.dynamics.workspace import Workspace
@@ -109,8 +109,6 @@ class GeneralizedAlpha:
     ModelError
         For a number out of its range.
     """
-
-    takes_spatial_contacts: ClassVar[bool] = True  # with two directions of friction
 
     step: float
     rho_inf: float = 0.8

@@ -27,17 +27,20 @@ class BoundaryScheme:
     u: FloatArray
     flexibility: FloatArray  # (ndof,) 1/omega^2 of static coordinates, else 0 [s^2]
     held_flexibility: FloatArray  # (ndof,) the same of modes with mass that joints and springs hold, else 0 [s^2]
-    load: FloatArray = array("ndof")  # static coordinates that forces and torques of the scene make
-    load_before: FloatArray = array("ndof")  # those of the step before
+    load: FloatArray = array("nq")  # static coordinates that forces and torques of the scene make
+    load_before: FloatArray = array("nq")  # those of the step before
     loaded: int  # 1: there may be some
     turn_start: IntArray  # (bodies + 1,) offsets into turn; equal where the coordinates of a body are its own
-    turn: FloatArray  # flat (3 + n) x n matrices T, row-major, of frame and modes (lcpflex.dynamics.held_modes)
+    turn: FloatArray  # flat matrices T, row-major, of frame (3, in space 6) and modes (lcpflex.dynamics.held_modes)
     acceleration: FloatArray = array("ndof")
     rate: FloatArray = array("ndof")  # of change of the static coordinates, of which contacts are linearised
     guess: FloatArray = array("ndof")  # velocity at which forces are evaluated
+    joined: FloatArray = array("ndof")  # change of the velocity by which joints are fulfilled at the end of the step
+    momentum: FloatArray = array("carried", 6)  # of each body in space, linear and angular, about the world's origin
+    wrench: FloatArray = array("carried", 6)  # what changes it: all but inertial forces
     unit: FloatArray  # (2,) of force [N] and of compliance [m/N], of the present problem
     power: FloatArray = array(2)  # of dissipative forces, and of loads and drives [W]
-    force: FloatArray = array("laws", 2)  # contact forces [N]
+    force: FloatArray = array("laws", "sums")  # contact forces [N]
     parts: float  # of the present step
     closed_then: int  # contacts closed when a step was divided
     n_split: int  # steps that were divided

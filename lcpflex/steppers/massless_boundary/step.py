@@ -11,7 +11,6 @@ import math
 
 from lcpflex.contact.detection import detect
 from lcpflex.contact.narrow_phase.feature import refresh
-from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.contact_compliance import ALL, HARD, choose, compliance_energy, misfit, note_depths
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.joint_reactions import lay_reactions, note_ends
@@ -26,10 +25,10 @@ from lcpflex.dynamics.mechanics import (
     supply,
 )
 from lcpflex.dynamics.position import (
-    friction_before,
     given_energy,
     held_give,
     pose_position,
+    solve_position,
     split_forces,
     static_response,
     static_sway,
@@ -37,25 +36,23 @@ from lcpflex.dynamics.position import (
 from lcpflex.dynamics.stable_step import admissible
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.configuration import advance as move, difference
+from lcpflex.kinematics.modal_places import first_rate
 from lcpflex.model.arrays import Model
-from lcpflex.model.planar import N_RIGID
-from lcpflex.solvers.contact.compiled import slip_of, solve_contacts
-from lcpflex.solvers.contact.recollection import recall_basis, remember_basis, turn_over
 from lcpflex.steppers.clock import StepClock, StepCount
+from lcpflex.steppers.massless_boundary.booked import audit, note_forces
 from lcpflex.steppers.massless_boundary.memory import BoundaryScheme
 from lcpflex.steppers.massless_boundary.static_loads import book_loads, load_static_modes
 from lcpflex.steppers.massless_boundary.stored import turn_back
 from lcpflex.steppers.passing import set_out
 from lcpflex.steppers.projection import project_joints
-from lcpflex.steppers.recorded_contacts import friction_state, note_contact
-from lcpflex.steppers.recorder import Recorder, note_certificate, store_contacts, store_state
+from lcpflex.steppers.recorder import Recorder, store_contacts, store_state
 from lcpflex.steppers.scheme import record, take_step
 from lcpflex.steppers.status import RunStatus
 
 __all__ = ["short_enough"]
 
-STICKING = 1e-9  # part of the largest gap or slip of a problem below which a contact counts as sticking
 MOST_PASSES = 6  # of the contact problem in a step, each linearised about the static coordinates of the last
 MOST_SETTLING = 40  # of them, where elastic laws of contacts are linearised, too
 CURVED = 1e-3  # gap left by the linearisation, relative to the static displacement, that ends them
@@ -67,18 +64,20 @@ def predict(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Work
     """q+ in ``work.free.middle`` and u_h in ``work.free.u``, at time t = end of the step; returns the contacts near."""
     q, u = scheme.q, scheme.u
     largest = 0.0
-    for i in range(len(q)):
+    for i in range(len(u)):
         work.free.u[i] = u[i] + 0.5 * h * scheme.acceleration[i]
-        work.free.ahead[i] = work.free.u[i] + scheme.rate[i]
+        work.scratch.velocity[i] = work.free.u[i] + scheme.rate[i]
+    for i in range(len(q)):
         largest = max(largest, abs(q[i]))
-    move(model, q, work.free.ahead, h, work.free.middle)
+    move(model, q, work.scratch.velocity, h, work.free.middle)
     if h > 0.0 and len(work.scratch.residual) > 0:
         for i in range(len(q)):
             work.free.ahead[i] = work.free.middle[i]
         project_joints(model, t, work.free.middle, work.free.u, work, recorder, 1e-12 * (1.0 + largest))
-        difference(model, work.free.ahead, work.free.middle, work.free.ahead)
+        difference(model, work.free.ahead, work.free.middle, work.scratch.velocity)
         for i in range(len(u)):
-            work.free.u[i] += work.free.ahead[i] / h
+            scheme.joined[i] = work.scratch.velocity[i] / h
+            work.free.u[i] += scheme.joined[i]
     load_static_modes(model, scheme, t, work)
     deflection = static_sway(model, scheme.flexibility, q) + static_sway(model, scheme.flexibility, work.free.middle)
     return detect(model, work.free.middle, scheme.gap_tolerance + deflection, work.rows.table)
@@ -112,6 +111,18 @@ def hold_joints(model: Model, t: float, h: float, scheme: BoundaryScheme, work: 
     return power
 
 
+@in_space("lcpflex.steppers.spatial.massless_momenta")
+@kernel
+def carry_momenta(model: Model, scheme: BoundaryScheme, h: float, work: Workspace) -> None:
+    """Change u_h such that u+ has the momenta that all but inertial forces leave: in the plane, nothing."""
+
+
+@in_space("lcpflex.steppers.spatial.massless_momenta")
+@kernel
+def note_momenta(model: Model, scheme: BoundaryScheme, work: Workspace) -> None:
+    """Keep the momenta at the end of the step, and what changes them, for the next one: in the plane, nothing."""
+
+
 @kernel
 def accelerate(model: Model, t: float, h: float, scheme: BoundaryScheme, work: Workspace) -> float:
     """a+ at ``work.free.middle`` under all forces but those of joints; modal damping is implicit.
@@ -128,8 +139,10 @@ def accelerate(model: Model, t: float, h: float, scheme: BoundaryScheme, work: W
     for i in range(len(a)):
         a[i] = work.free.total[i]
     for b in range(len(model.bodies.mass)):
-        for k in range(work.rows.dof[b] + N_RIGID, work.rows.dof[b + 1]):
-            a[k] += model.bodies.damping[k - N_RIGID * (b + 1)] * (guess[k] - work.free.u[k])
+        first = first_rate(model, b)
+        own = first - (first - work.rows.dof[b]) * (b + 1)  # its place among the modes of all
+        for k in range(work.rows.dof[b + 1] - first):
+            a[first + k] += model.bodies.damping[own + k] * (guess[first + k] - work.free.u[first + k])
     n_joint = len(work.scratch.residual)
     total = n_joint + work.rows.n_contacts + work.rows.n_tangents
     apply_impulses(work.rows.J, work.rows.body, n_joint, total, work.impulses.p, work.rows.dof, a)
@@ -137,50 +150,9 @@ def accelerate(model: Model, t: float, h: float, scheme: BoundaryScheme, work: W
         if scheme.flexibility[i] > 0.0:
             a[i] = 0.0
     solve_vector(model, work, a)
+    if h > 0.0:
+        carry_momenta(model, scheme, h, work)
     return hold_joints(model, t, h, scheme, work)
-
-
-@kernel
-def audit(h: float, drives: float, scheme: BoundaryScheme, work: Workspace, recorder: Recorder) -> None:
-    """Add the step's work by kind, and its impulses, to the recorder; trapezoidal in time, as Verlet's own balance is.
-
-    Friction: the mean of the forces at both ends times the slip, which is exact for the contact compliance.
-    """
-    u = scheme.u
-    lost = 0.0
-    for i in range(len(u)):
-        lost -= work.free.dissipative[i] * u[i]
-        drives += work.free.driving[i] * u[i]
-    recorder.counts.lost_damping += 0.5 * h * (scheme.power[0] + lost)
-    recorder.counts.supplied += 0.5 * h * (scheme.power[1] + drives)
-    scheme.power[0] = lost
-    scheme.power[1] = drives
-    for law in range(len(scheme.force)):
-        for i in range(2):
-            recorder.total_impulse[law, i] += 0.5 * h * scheme.force[law, i]
-            scheme.force[law, i] = 0.0
-    n = work.rows.n_contacts
-    for k in range(n):
-        scheme.force[work.rows.table.law[k], 0] += work.impulses.normal[k]
-    length = scheme.unit[0] * scheme.unit[1]
-    for j in range(work.rows.n_tangents):
-        k = work.rows.tangent[j]
-        scheme.force[work.rows.table.law[k], 1] += work.impulses.tangential[j]
-        before = friction_before(work, k)
-        work.impulses.held_key[1, j] = work.rows.table.key[k]
-        work.impulses.held_gap[1, j] = work.impulses.tangential[j]
-        if h > 0.0 and (before != 0.0 or work.impulses.tangential[j] != 0.0):
-            recorder.counts.lost_friction -= (
-                0.5 * (before + work.impulses.tangential[j]) * slip_of(work.impulses.solver, n + j) * length
-            )
-    work.impulses.n_held = work.rows.n_tangents
-    for j in range(work.rows.n_tangents):
-        work.impulses.held_key[0, j] = work.impulses.held_key[1, j]
-        work.impulses.held_gap[0, j] = work.impulses.held_gap[1, j]
-    for law in range(len(scheme.force)):
-        for i in range(2):
-            recorder.total_impulse[law, i] += 0.5 * h * scheme.force[law, i]
-    note_certificate(work, recorder)
 
 
 @kernel
@@ -211,16 +183,20 @@ def correct(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Work
     drives = accelerate(model, t, h, scheme, work)
     finite = True
     for i in range(len(q)):
-        finite = finite and math.isfinite(work.free.middle[i] + work.free.u[i] + 0.5 * h * scheme.acceleration[i])
+        finite = finite and math.isfinite(work.free.middle[i])
+    for i in range(len(u)):
+        finite = finite and math.isfinite(work.free.u[i] + 0.5 * h * scheme.acceleration[i])
     if not finite:
         return False
-    book_loads(h, scheme, work, recorder)
+    book_loads(model, h, scheme, work, recorder)
     difference(model, q, work.free.middle, scheme.rate)
     for i in range(len(q)):
+        q[i] = work.free.middle[i]
+    for i in range(len(u)):
         moved = scheme.flexibility[i] > 0.0 and h > 0.0 and scheme.n_closed > 0
         scheme.rate[i] = scheme.rate[i] / h if moved else 0.0
-        q[i] = work.free.middle[i]
         u[i] = work.free.u[i] + 0.5 * h * scheme.acceleration[i]
+    note_momenta(model, scheme, work)
     audit(h, drives, scheme, work, recorder)
     lay_reactions(model, work, recorder.reactions.ahead)
     note_ends(model, h, recorder.reactions)
@@ -235,20 +211,8 @@ def record_forces(model: Model, scheme: BoundaryScheme, t: float, work: Workspac
     needed = store_contacts(model, q, recorder)
     if needed > len(recorder.table.key):
         return needed
-    n, table, normal = work.rows.n_contacts, work.rows.table, work.impulses.normal
-    tangent = 0
-    for k in range(n):
-        force_t = 0.0
-        slip = 1.0
-        if tangent < work.rows.n_tangents and work.rows.tangent[tangent] == k:
-            force_t = work.impulses.tangential[tangent]
-            slip = slip_of(work.impulses.solver, n + tangent)
-            tangent += 1
-        if normal[k] > 0.0:
-            state = friction_state(normal[k], abs(force_t), work.rows.mu[k], abs(slip), STICKING)
-            place = contact_point(model, q, table, k)
-            note_contact(recorder, table.law[k], place, table.normal[k], normal[k], force_t, state)
-    own = given_energy(work, scheme.flexibility, scheme.held_flexibility, scheme.compliance.soft)
+    note_forces(model, q, work, recorder)
+    own = given_energy(model, work, scheme.flexibility, scheme.held_flexibility, scheme.compliance.soft)
     stored = compliance_energy(scheme.compliance, work) + own
     store_state(model, t, q, u, work, stored, recorder)
     turn_back(model, scheme, recorder)
@@ -271,15 +235,17 @@ def deform(model: Model, scheme: BoundaryScheme, work: Workspace) -> float:
     Relative to the largest static displacement of them. Those with a law of their own have a gap, see ``misfit``.
     """
     split_forces(work, scheme.unit)
-    static_response(work, scheme.flexibility, scheme.load, work.free.middle)
+    static_response(model, work, scheme.flexibility, scheme.load, work.free.middle)
     left = 0.0
     displaced = 0.0
+    wide = 2 * work.rows.across - 1  # rows of the problem from one normal to the next
     for k in range(work.rows.n_contacts):
         refresh(model, work.free.middle, work.rows.table, k)
         if work.impulses.normal[k] > 0.0 and (scheme.compliance.some[0] == 0 or work.scratch.closed[k] == HARD):
-            give = held_give(work, scheme.flexibility, scheme.held_flexibility, work.rows.n_joint + k)
+            give = held_give(model, work, scheme.flexibility, scheme.held_flexibility, work.rows.n_joint + k)
             left = max(left, abs(work.rows.table.gap[k] + give * work.impulses.normal[k]))
-            displaced = max(displaced, scheme.unit[1] * work.posed.problem.delassus[k, k] * work.impulses.normal[k])
+            own = work.posed.problem.delassus[wide * k, wide * k]
+            displaced = max(displaced, scheme.unit[1] * own * work.impulses.normal[k])
     return left / displaced if displaced > 0.0 else 0.0
 
 
@@ -331,12 +297,9 @@ def solve_contact_forces(
         )  # fmt: skip
         if clock.number >= 0.0:
             return RunStatus.STIFF
-        recall_basis(work.posed.problem, work.impulses.solver, work.impulses.remembered)
-        clock.number = solve_contacts(work.posed.problem, work.impulses.solver)
+        clock.number = solve_position(work, scheme.unit, passes > 0, scheme.tolerance)
         if clock.number != 0 or not work.impulses.solver.residual <= scheme.tolerance:
             return RunStatus.SOLVER_FAILED
-        remember_basis(work.posed.problem, work.impulses.solver, work.impulses.remembered)
-        turn_over(work.impulses.remembered)
         passes += 1
         curved = deform(model, scheme, work)
         unsettled = misfit(scheme.compliance, scheme.unit, work) > 1.0

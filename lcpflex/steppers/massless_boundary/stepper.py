@@ -8,6 +8,8 @@ forces lambda solve a problem at position level (:mod:`lcpflex.dynamics.position
 
 with the joints fulfilled by q+ and by u+ (RATTLE) and modal damping taken at u+. Order 2 as long as contacts stay as
 they are, and nearly energy-conserving, as long as h omega < 2 for every omega of the system with its contacts closed.
+In space q+ = q (+) h u_h turns frames by the exponential of h omega_h, and u+ has the momenta that all but inertial
+forces leave, to rounding; where the direction of a slip turns, the order is 1.
 A contact may give way by an elastic law of its own, too (:mod:`lcpflex.dynamics.contact_compliance`): then rigid bodies
 may take part.
 Source: Monjaraz-Tec, Gross & Krack 2022.
@@ -32,7 +34,7 @@ from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.dynamics.mechanics import supply
 from lcpflex.dynamics.position import RIGID
 from lcpflex.dynamics.stable_step import HeldRows
-from lcpflex.dynamics.static_modes import check_compliance, flexibilities, softest, with_static_modes
+from lcpflex.dynamics.static_modes import amplitudes, check_compliance, flexibilities, softest, with_static_modes
 from lcpflex.dynamics.step_guess import Mobility, contact_stiffness, highest_square, spring_rates
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError
@@ -41,8 +43,7 @@ from lcpflex.jit.dispatch import Hooks, link
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import allocate, lengthen
 from lcpflex.model.arrays import Model
-from lcpflex.model.layout import is_spatial
-from lcpflex.model.planar import N_RIGID
+from lcpflex.model.layout import dimension, is_spatial, sums_of_contacts
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.fixed_steps import FixedSteps
@@ -59,6 +60,7 @@ from lcpflex.steppers.time_stepping import FIRST_ROOM, Support, TimeStepping
 
 __all__ = ["MasslessBoundary"]
 
+ROWS = 3  # of a contact, at the most
 SHORTEST = 1e-4  # part of a step: contacts that need a shorter one have next to no compliance of their own
 SEVERAL = 0.7  # of the step that one closed contact admits: several that close have higher frequencies
 FINER = 16.0  # steps where a law alone gives way: its contact lasts 4/omega, and no mode has a shorter period
@@ -95,7 +97,7 @@ class Remarks:
         if status == RunStatus.STIFF:
             return (
                 f"contact {self.system.contact_name(work.rows.table.law[number])} closes in a direction in which "
-                "neither body has any compliance: use more modes, or MoreauJean or EventDriven"
+                "neither body has any compliance: use more modes or fewer dynamic_modes, or MoreauJean or EventDriven"
             )
         if status == RunStatus.TOO_LONG:
             return _limit(self.system.model, scheme, work)
@@ -131,6 +133,8 @@ def _limit(model: Model, scheme: BoundaryScheme, work: Workspace) -> str:
 @dataclass(frozen=True, slots=True)
 class MasslessBoundary:
     """Massless-boundary scheme: no impulse, no restitution, the energy of a contact goes into the modes.
+
+    For scenes of the plane and of space.
 
     solver_tolerance: largest residual of a contact problem that counts as solved [-].
 
@@ -168,10 +172,9 @@ class MasslessBoundary:
     Raises
     ------
     ModelError
-        For a number out of its range; when a run is started: for a spatial scene (it has no contacts), a user's own
-        system (it has no modes), a contact with restitution (here it is a result), a contact without compliance,
-        dynamic_modes that leave no static mode, and a compliance that is no elastic law, or of a name that no declared
-        contact has.
+        For a number out of its range; when a run is started: for a user's own system (it has no modes), a contact with
+        restitution (here it is a result), a contact without compliance, dynamic_modes that leave no static mode, and a
+        compliance that is no elastic law, or of a name that no declared contact has.
     """
 
     step: float | None = None
@@ -262,7 +265,13 @@ class MasslessBoundary:
         pushed = model.points.body[model.loads.force_point]
         return allocate(
             BoundaryScheme,
-            {"ndof": len(flexibility), "laws": len(compliance.soft)},
+            {
+                "ndof": len(flexibility),
+                "nq": len(system.q),
+                "laws": len(compliance.soft),
+                "sums": sums_of_contacts(model),
+                "carried": len(model.bodies.mass) if is_spatial(model) else 0,
+            },
             step=step,
             safety=self.safety,
             least_parts=parts,
@@ -290,12 +299,13 @@ def _held_rows(system: System) -> HeldRows:
     """Memory for the joints of a system."""
     dof = system.model.bodies.dof
     sizes = {"joints": system.n_joint, "width": int(np.max(np.diff(dof), initial=1)), "bodies": len(dof) - 1}
-    return allocate(HeldRows, {**sizes, "pairs": 2 * FIRST_ROOM})
+    sizes["reaction"] = dimension(system.model.bodies).rigid
+    return allocate(HeldRows, {**sizes, "pairs": ROWS * FIRST_ROOM})
 
 
 def _grown(scheme: BoundaryScheme, contacts: int) -> BoundaryScheme:
     """The same with room for more contacts."""
-    lengthen(scheme, "pairs", len(scheme.held.coupling), 2 * contacts)
+    lengthen(scheme, "pairs", len(scheme.held.coupling), ROWS * contacts)
     return scheme
 
 
@@ -306,14 +316,15 @@ def _asked_in_former(hooks: Hooks, parted: PartedModes) -> Hooks:
         return hooks
 
     def asked(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> None:
-        given(model, t, parted.former(q), parted.former(u), work)
+        given(model, t, parted.former(q), parted.former_rates(u), work)
 
     return {**hooks, supply: asked}
 
 
 def _elastic(system: System) -> IntArray:
-    """Places of the modal coordinates."""
-    return np.concatenate([np.arange(a + N_RIGID, b) for a, b in pairwise(system.model.bodies.dof)])
+    """Places of the rates of modal coordinates."""
+    rigid = dimension(system.model.bodies).rigid
+    return np.concatenate([np.arange(a + rigid, b) for a, b in pairwise(system.model.bodies.dof)])
 
 
 def _refuse(system: System) -> None:
@@ -322,11 +333,6 @@ def _refuse(system: System) -> None:
         raise ModelError(
             "stepper: MasslessBoundary was given for a user's own system, which has no modes that could give way; "
             "expected MoreauJean or EventDriven"
-        )
-    if is_spatial(system.model):
-        raise ModelError(
-            "stepper: MasslessBoundary was given for a SpatialScene; it is made for contacts of flexible bodies, and "
-            "spatial scenes take none so far; expected MoreauJean, GeneralizedAlpha, EventDriven or Smooth"
         )
     contacts = system.model.contacts
     for name in ("restitution", "tangential_restitution"):
@@ -341,7 +347,7 @@ def _refuse(system: System) -> None:
 
 def _refuse_shortening(model: Model, flexibility: FloatArray) -> None:
     """Static modes follow from contact forces alone, which those of a beam that feels its axial force do not."""
-    for b in np.flatnonzero(np.diff(model.bodies.shortening_start)).tolist():
+    for b in [] if is_spatial(model) else np.flatnonzero(np.diff(model.bodies.shortening_start)).tolist():
         if flexibility[model.bodies.dof[b] : model.bodies.dof[b + 1]].any():
             raise ModelError(
                 'stepper: MasslessBoundary was given for a beam with contacts and Stiffening(axial_force="actual"), '
@@ -352,9 +358,9 @@ def _refuse_shortening(model: Model, flexibility: FloatArray) -> None:
 def _lost(system: System, parted: PartedModes) -> list[str]:
     """A warning where the initial state holds much of its energy in modes that are static from now on."""
     static = parted.flexibility > 0.0
-    K = np.zeros(len(system.q))
+    K = np.zeros(len(system.u))
     K[_elastic(system)] = parted.model.bodies.stiffness
-    q, u, left = parted.coordinates(system.q), system.u, parted.velocities(system.u)
+    q, u, left = amplitudes(system.model, parted.coordinates(system.q)), system.u, parted.velocities(system.u)
     stored = 0.5 * (float(K @ q**2) + float(u @ mass_matrix(system.model, system.q) @ u))
     lost = 0.5 * (float(K[static] @ q[static] ** 2) + float(u @ u - left @ left))
     if lost <= LOST * stored:

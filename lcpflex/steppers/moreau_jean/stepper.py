@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import partial
-from typing import ClassVar
 
 from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.dynamics.workspace import Workspace
@@ -143,7 +142,6 @@ class MoreauJean:
     on_unsolved: str = "continue"
     budget: int | None = None
     gyroscopic: str = CORRECTED
-    takes_spatial_contacts: ClassVar[bool] = True  # it takes contacts of space, with two directions of friction
 
     def __post_init__(self) -> None:
         keep_number(self, "step", 0.0, math.inf, open_ends=True)

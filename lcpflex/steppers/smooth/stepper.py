@@ -13,7 +13,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -154,7 +154,6 @@ class Smooth:
     law: Law | None = None
     laws: Mapping[str, Law] = field(default_factory=dict)
     integrator: Integrator = field(default_factory=ExplicitRungeKutta)
-    takes_spatial_contacts: ClassVar[bool] = True  # it takes contacts of space, with two directions of friction
 
     def __post_init__(self) -> None:
         if not isinstance(self.laws, Mapping):
