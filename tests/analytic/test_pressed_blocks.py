@@ -124,6 +124,13 @@ def test_a_coarser_slave_is_told() -> None:
         pressed("hexahedron", 2, 3, 0)
 
 
+@pytest.mark.slow
+def test_a_slave_that_is_hardly_coarser_is_as_good() -> None:
+    """10 on 9 elements an edge, and 9 on 10: no warning, and errors of one size."""
+    finer, coarser = pressed("hexahedron", 10, 9, 0), pressed("hexahedron", 10, 9, 1)
+    assert max(coarser.stress) < 1.2 * max(finer.stress) < 0.02
+
+
 def test_nodes_on_another_mesh_are_no_patch_test() -> None:
     """Why areas are the default there: single nodes put errors of a tenth into the stress below."""
     assert max(pressed("hexahedron", 5, 3, 0, "nodes").stress) > 0.05
