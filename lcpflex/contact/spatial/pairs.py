@@ -81,6 +81,9 @@ __all__ = [
 ]
 
 
+FOCUS = 0.1  # of what the way of a foot is divided by: deeper in a hollow than its radius there is none
+
+
 @kernel
 def refresh(model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int) -> None:
     """Gap, normal, tangent and foot of entry k at q, with its features kept."""
@@ -160,6 +163,22 @@ def contact_rows(
 
 
 @kernel
+def curved_turning(table: SpatialContactTable, k: int, n: Vector, t: Vector, dv: Vector, turning: Turning) -> Turning:
+    """Of means that slide over curved faces: the foot goes (1 - D n.r'')^-1 dv, and n' = -(n.r'') along its way."""
+    w = cross(n, t)
+    x, y = dot(t, dv), dot(w, dv)
+    tt, tw, ww = table.curvature[k, 0], table.curvature[k, 1], table.curvature[k, 2]
+    D = table.gap[k] + table.radius[k, 0]
+    a, b, c = 1.0 - D * tt, -D * tw, 1.0 - D * ww
+    det = a * c - b * b
+    if det > FOCUS:
+        x, y = (c * x - b * y) / det, (a * y - b * x) / det
+    along_t, along_w = tt * x + tw * y, tw * x + ww * y
+    ndot = apart_from(turning.ndot, added(scaled(along_t, t), scaled(along_w, w)))
+    return Turning(ndot, turning.spin, turning.slip, turning.slide_i, turning.slide_j)
+
+
+@kernel
 def turning_of(
     points: SpatialPoints, q: FloatArray, u: FloatArray, frames: tuple[Frame, Frame], motions: tuple[Motion, Motion],
     table: SpatialContactTable, k: int, n: Vector, t: Vector, dv: Vector,
@@ -171,7 +190,8 @@ def turning_of(
         if table.body[k, 1] < 0:
             return NO_TURN
         turn = plane_turn(points, q, u, frames[1], motions[1], point[k, 1], point[k, 2], point[k, 3], n, t)
-        return plane_slip(turn, dv, table.gap[k] + table.radius[k, 0])
+        turning = plane_slip(turn, dv, table.gap[k] + table.radius[k, 0])
+        return curved_turning(table, k, n, t, dv, turning) if table.averaged[k] == 1 else turning
     if kind == NODE_EDGE:
         return edge_turning(points, q, u, frames[1], motions[1], table, k, n, t, dv)
     if kind == NODE_POINT:

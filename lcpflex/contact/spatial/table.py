@@ -97,6 +97,7 @@ class SpatialContactTable:
     weight: FloatArray = array("contacts")
     # common area that the force of the entry acts on [m^2]; 0 where a force is no pressure
     area: FloatArray = array("contacts")
+    curvature: FloatArray = array("contacts", 3)  # n.r'' of the master [1/m] along t1 t1, t1 t2 and t2 t2; of means
     averaged: IntArray = array("contacts")  # 1: its material points are means, of ``faces``, else those of the model
     # of nodes: least cosine of their outward normal and that of j, reversed; of a rim in a patch: the angle of the
     facing: FloatArray = array("contacts")  # place that touches where it lies flat [rad]
@@ -182,6 +183,7 @@ def copy_entry(source: SpatialContactTable, i: int, target: SpatialContactTable,
             target.point[j, c] = mean_of(j, c % 4)
     for c in range(3):
         target.radius[j, c] = source.radius[i, c]
+        target.curvature[j, c] = source.curvature[i, c]
         target.normal[j, c] = source.normal[i, c]
         target.tangent[j, c] = source.tangent[i, c]
     for c in range(2):

@@ -16,9 +16,11 @@ from lcpflex.bodies.spatial.surface import SpatialKind, SpatialSurface
 from lcpflex.compile.spatial.face_areas import AREAS, NODES, face_parts
 from lcpflex.contact.near import near
 from lcpflex.contact.rows import contact_rows
-from lcpflex.contact.spatial.faces.shapes import is_inside, lay_shapes
+from lcpflex.contact.spatial.faces.shapes import is_inside, lay_bends, lay_shapes
+from lcpflex.contact.spatial.pairs import contact_bias
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
+from lcpflex.kinematics.spatial.configuration import advance
 from lcpflex.scene.placed_surface import PlacedSurface
 
 TRIANGLE = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.0), (0.5, 0.5), (0.0, 0.5)]
@@ -207,3 +209,42 @@ def test_the_parts_of_a_face_make_one_law(nodes: int, by: str) -> None:
     """So that a law of a contact is that of the whole face, whatever its mesh."""
     _, table, n, _ = touching(grid(nodes, 3, 0.3), grid(4, 3, 0.3), by)
     np.testing.assert_allclose(table.weight[:n].sum(), 1.0, rtol=1e-12)
+
+
+@pytest.mark.parametrize("nodes", REFERENCE)
+def test_second_derivatives_are_those_of_the_first(nodes: int) -> None:
+    h, (x, y) = 1e-4, (0.23, 0.31)
+    bend = np.zeros((9, 3))
+    lay_bends(nodes, x, y, bend)
+    by_x = (shapes(nodes, x + h, y) - shapes(nodes, x - h, y))[:, 1:] / (2.0 * h)
+    by_y = (shapes(nodes, x, y + h) - shapes(nodes, x, y - h))[:, 1:] / (2.0 * h)
+    np.testing.assert_allclose(bend[:nodes], np.column_stack([by_x, by_y[:, 1]]), atol=1e-7)
+
+
+def curved(nodes: int, radius: float) -> SpatialSurface:
+    """One face of elements, moved onto a cylinder about x below it: quadratic faces are parabolas there."""
+    flat = grid(nodes, 1, 0.2)
+    places = np.array([point.place for point in flat.points])
+    places[:, 2] = -0.5 * places[:, 1] ** 2 / radius
+    return replace(flat, points=tuple(replace(p, place=place) for p, place in zip(flat.points, places, strict=True)))
+
+
+@pytest.mark.parametrize("nodes", [6, 8, 9])
+def test_the_bias_knows_the_curvature_that_a_node_slides_over(nodes: int) -> None:
+    """Against second differences of gaps that are found anew at each place."""
+    model, table, n, q = touching(grid(4, 2, 0.04, middle=(0.0, 0.04)), curved(nodes, 0.5), NODES, gap=2e-3, margin=0.1)
+    assert n == len(grid(4, 2, 0.04).points)
+    u = np.zeros(12)
+    u[:6] = [0.02, 0.3, 0.01, 0.1, -0.2, 0.3]
+    h = 1e-3
+    gaps = []
+    for step in (-h, 0.0, h):
+        moved = q.copy()
+        advance(model, q, u, step, moved)
+        found, count = near(model, moved, 0.1)
+        assert count == n
+        gaps.append(found.gap[:n].copy())
+    second = (gaps[2] - 2.0 * gaps[1] + gaps[0]) / h**2
+    bias = [contact_bias(model, q, u, table, k)[0] for k in range(n)]
+    np.testing.assert_allclose(bias, second, atol=1e-3 * np.abs(second).max())
+    assert np.abs(second).min() > 0.05  # v^2/R = .18

@@ -58,6 +58,8 @@ def load_means(
     load_node(model, table, k, law, NODE_FACET, node, c.feature_start[b])
     lay_means(model, table.faces, count, k, (table.body[k, 0], table.body[k, 1]), area)
     table.averaged[k] = 1
+    for d in range(3):
+        table.curvature[k, d] = table.faces.curvature[d]
     part = area / whole_area(model, node)
     table.area[k] = part * c.node_area[node]
     table.weight[k] *= part

@@ -12,7 +12,7 @@ import math
 from typing import NamedTuple
 
 from lcpflex.contact.spatial.faces.memory import FaceMemory
-from lcpflex.contact.spatial.faces.shapes import is_inside, lay_shapes, middle
+from lcpflex.contact.spatial.faces.shapes import is_inside, lay_bends, lay_shapes, middle
 from lcpflex.contact.spatial.kinds import FACET
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, place_in
 from lcpflex.contact.spatial.table import SpatialContactTable
@@ -40,9 +40,10 @@ class Foot(NamedTuple):
     normal: Vector  # in the frame of the body
     e: Vector  # r_,1 there
     f: Vector
+    bent: Vector  # n.r_,11, n.r_,12, n.r_,22
 
 
-NOWHERE = Foot(False, math.inf, NOTHING, NOTHING, NOTHING)
+NOWHERE = Foot(False, math.inf, NOTHING, NOTHING, NOTHING, NOTHING)
 
 
 @kernel
@@ -102,6 +103,21 @@ def tangents(memory: FaceMemory, nodes: int) -> tuple[Vector, Vector]:
 
 
 @kernel
+def bent_along(memory: FaceMemory, nodes: int, x: float, y: float, n: Vector) -> Vector:
+    """n.r_,11, n.r_,12 and n.r_,22 of the face laid last [m]."""
+    if nodes == 3:
+        return NOTHING
+    lay_bends(nodes, x, y, memory.bend)
+    xx = xy = yy = 0.0
+    for i in range(nodes):
+        height = dot(n, row_vector(memory.corner, i))
+        xx += memory.bend[i, 0] * height
+        xy += memory.bend[i, 1] * height
+        yy += memory.bend[i, 2] * height
+    return xx, xy, yy
+
+
+@kernel
 def project(memory: FaceMemory, nodes: int, place: Vector) -> Foot:
     """The foot of a place on the face laid last; none where the face is degenerate there."""
     x = y = middle(nodes)
@@ -126,7 +142,8 @@ def project(memory: FaceMemory, nodes: int, place: Vector) -> Foot:
     e, f = tangents(memory, nodes)
     n = cross(e, f)
     n = scaled(1.0 / norm(n), n)
-    return Foot(True, dot(n, apart_from(place, combined(memory, nodes, 0))), n, e, f)
+    gap = dot(n, apart_from(place, combined(memory, nodes, 0)))
+    return Foot(True, gap, n, e, f, bent_along(memory, nodes, x, y, n))
 
 
 @kernel
@@ -138,6 +155,7 @@ def keep_foot(memory: FaceMemory, sample: int, f: int, nodes: int, foot: Foot) -
         memory.normal[sample, c] = foot.normal[c]
         memory.along[sample, 0, c] = foot.e[c]
         memory.along[sample, 1, c] = foot.f[c]
+        memory.bent[sample, c] = foot.bent[c]
     for i in range(nodes):
         for c in range(3):
             memory.at_foot[sample, i, c] = memory.shape[i, c]

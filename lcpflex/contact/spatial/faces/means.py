@@ -90,10 +90,21 @@ def part_of(a: Vector, e: Vector, f: Vector) -> tuple[float, float]:
 
 
 @kernel
+def curve(memory: FaceMemory, share: float, bent: Vector, a: tuple[float, float], b: tuple[float, float]) -> None:
+    """Add a share of the curvature at a foot, of the directions that have the coefficients a and b there."""
+    xx, xy, yy = bent
+    memory.curvature[0] += share * (a[0] * a[0] * xx + 2.0 * a[0] * a[1] * xy + a[1] * a[1] * yy)
+    memory.curvature[1] += share * (a[0] * b[0] * xx + (a[0] * b[1] + a[1] * b[0]) * xy + a[1] * b[1] * yy)
+    memory.curvature[2] += share * (b[0] * b[0] * xx + 2.0 * b[0] * b[1] * xy + b[1] * b[1] * yy)
+
+
+@kernel
 def weigh(model: SpatialModel, memory: FaceMemory, node: int, area: float) -> int:
     """Weights of all material points in the means of a node; how many points there are."""
     c = model.contacts
     first, second = directions(model, memory, node)
+    for d in range(3):
+        memory.curvature[d] = 0.0
     count = 0
     for at in range(c.area_start[node], c.area_start[node + 1]):
         s = c.area_sample[at]
@@ -105,6 +116,7 @@ def weigh(model: SpatialModel, memory: FaceMemory, node: int, area: float) -> in
         f = memory.foot_on[s]
         e, g = row_vector(memory.along[s], 0), row_vector(memory.along[s], 1)
         a, b = part_of(first, e, g), part_of(second, e, g)
+        curve(memory, share, row_vector(memory.bent, s), a, b)
         for i in range(cell_size(model, f)):
             p = cell_point(model, f, i)
             shape, by_x, by_y = memory.at_foot[s, i, 0], memory.at_foot[s, i, 1], memory.at_foot[s, i, 2]

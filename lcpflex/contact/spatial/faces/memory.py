@@ -38,11 +38,14 @@ class FaceMemory:
     normal: FloatArray = array("samples", 3)  # and the normal, in the frame of the body of the face
     along: FloatArray = array("samples", 2, 3)  # and the tangents r_,1 and r_,2
     at_foot: FloatArray = array("samples", 9, 3)  # and the shape functions of the nodes, with their derivatives
+    bent: FloatArray = array("samples", 3)  # and n.r_,11, n.r_,12 and n.r_,22 [m]
     tried: IntArray = array("samples")  # number of the search in which it was looked for
     listed: IntArray = array("points")  # points that have a part in the present mean
     weight: FloatArray = array("points", 4)  # their weights: in S, and in the foot and both tangents of the master
     shape: FloatArray = array(9, 3)
+    bend: FloatArray = array(9, 3)  # second derivatives of the shape functions
     corner: FloatArray = array(9, 3)
+    curvature: FloatArray = array(3)  # of the master of the present mean [1/m], along both tangents
 
 
 class FaceSizes(dict[str, int]):

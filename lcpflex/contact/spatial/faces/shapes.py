@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from lcpflex.jit.kernel import FloatArray, kernel
 
-__all__ = ["corners_of", "is_inside", "lay_shapes", "middle"]
+__all__ = ["corners_of", "is_inside", "lay_bends", "lay_shapes", "middle"]
 
 
 @kernel
@@ -105,3 +105,40 @@ def lay_shapes(nodes: int, x: float, y: float, shape: FloatArray) -> None:
         lay_triangle(nodes, x, y, shape)
     else:
         lay_square(nodes, x, y, shape)
+
+
+@kernel
+def lay_triangle_bends(bend: FloatArray) -> None:
+    """Of 6 nodes."""
+    lay_shape(bend, 0, 4.0, 4.0, 4.0)
+    lay_shape(bend, 1, 4.0, 0.0, 0.0)
+    lay_shape(bend, 2, 0.0, 0.0, 4.0)
+    lay_shape(bend, 3, -8.0, -4.0, 0.0)
+    lay_shape(bend, 4, 0.0, 4.0, 0.0)
+    lay_shape(bend, 5, 0.0, -4.0, -8.0)
+
+
+@kernel
+def lay_bends(nodes: int, x: float, y: float, bend: FloatArray) -> None:
+    """Rows of ``bend`` (9, 3): second derivatives of each shape function at (x, y), along xx, xy and yy."""
+    if nodes == 3:
+        for i in range(3):
+            lay_shape(bend, i, 0.0, 0.0, 0.0)
+    elif nodes == 6:
+        lay_triangle_bends(bend)
+    else:
+        for i in range(nodes):
+            a, b = sides_of(i)
+            u, v = 1.0 + a * x, 1.0 + b * y
+            if nodes == 4:
+                lay_shape(bend, i, 0.0, 0.25 * a * b, 0.0)
+            elif nodes == 9:
+                f, df = parabola(a, x)
+                g, dg = parabola(b, y)
+                lay_shape(bend, i, (1.0 if a != 0.0 else -2.0) * g, df * dg, (1.0 if b != 0.0 else -2.0) * f)
+            elif i < 4:
+                lay_shape(bend, i, 0.5 * v, 0.25 * a * b * (u + v + a * x + b * y - 1.0), 0.5 * u)
+            elif a == 0.0:
+                lay_shape(bend, i, -v, -x * b, 0.0)
+            else:
+                lay_shape(bend, i, 0.0, -y * a, -u)
