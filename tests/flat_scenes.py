@@ -12,7 +12,7 @@ from lcpflex.bodies import craig_bampton, residual_compliance
 from lcpflex.jit.kernel import FloatArray
 from tests import libs
 
-__all__ = ["bar_at_wall", "bar_on_roller"]
+__all__ = ["STEEL", "bar_at_wall", "bar_on_roller"]
 
 STEEL: dict[str, Any] = {"density": 7850.0, "youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
 ALUMINIUM: dict[str, Any] = {"density": 2700.0, "youngs_modulus": 7e10, "poissons_ratio": 0.33}

@@ -80,11 +80,7 @@ def _takes_massless(compiled: CompiledScene) -> bool:
     """Whether the contacts of a scene are such that a massless boundary may carry them."""
     contacts = compiled.model.contacts
     bounces = contacts.restitution.any() or contacts.tangential_restitution.any()
-    if bounces or any(compiled.laws):
-        return False
-    from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary  # which other runs do without
-
-    return not compiled.spatial or getattr(MasslessBoundary, "takes_spatial_contacts", False)
+    return not bounces and not any(compiled.laws)
 
 
 def _touching(result: Result, compiled: CompiledScene, name: str) -> list[int]:

@@ -65,8 +65,6 @@ def _closing(source: CompiledScene) -> str:
 
 def _massless(source: CompiledScene, duration: float, most: float) -> MasslessBoundary | None:
     """The stepper, with a step of its own choice; None where it takes more than ``most``, or not these contacts."""
-    if source.spatial and not getattr(MasslessBoundary, "takes_spatial_contacts", False):
-        return None
     asked = MasslessBoundary()
     fastest, _ = answer_times(source.model, source.layout.residual)
     if 2.0 * asked.safety * float(fastest[fastest > 0.0].min()) / math.pi * most < duration:

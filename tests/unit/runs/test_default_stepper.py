@@ -11,7 +11,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.runs import default_stepper
-from tests.flat_scenes import bar_at_wall, bar_on_roller
+from tests.flat_scenes import STEEL, bar_at_wall, bar_on_roller
 
 PLANE, SPACE = 2, 3
 
@@ -120,6 +120,19 @@ def test_contacts_that_close_point_by_point_get_a_massless_boundary() -> None:
     # nothing bounces by a coefficient there, a second takes too many steps, and what begins with a corner may end flat
     for scene, duration in ((bar_on_roller(restitution=0.5), 2.5e-4), (bar_on_roller(), 1.0), (bar_at_wall(0.1), 1e-4)):
         assert not isinstance(chosen(scene, duration).stepper, lf.MasslessBoundary)
+
+
+def test_a_solid_on_a_sphere_gets_a_massless_boundary() -> None:
+    def under(x: Any, y: Any, z: Any) -> Any:
+        return (z < -0.00249) & (np.abs(x) < 2.6e-3) & (np.abs(y) < 2.6e-3)
+
+    solid = lf.Solid.box((0.1, 0.02, 0.005), elements=(40, 8, 2), **STEEL, sets={"under": under})
+    for contact, kind in (({"contact": "under"}, lf.MasslessBoundary), ({"boundary": "under"}, lf.EventDriven)):
+        scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+        plate = scene.add(solid.reduce(12, rows="normal", **contact), "plate", velocity=(0.0, 0.0, -0.4))
+        sphere = scene.ground.sphere((0.0, 0.0, -0.2025001), 0.2)
+        scene.contact(plate.face("under"), sphere, points="nodes")
+        assert isinstance(chosen(scene, 2e-4).stepper, kind)
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
