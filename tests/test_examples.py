@@ -16,6 +16,7 @@ STUDIES = (
     "claw",
     "claw_in_step",
     "cross_check_solvers",
+    "dropped_bracket",
     "falling_chain",
     "flexible_pendulum_micro_collisions",
     "four_strikers",
