@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["check_facets"]
 
 BESIDE = 0.3  # of an edge: from its middle to the node amid it; on an arc of 120 degrees that is .29
+OF_ELEMENT = 40  # nodes besides those of a facet: elements have 18, condensed matrices all, which tells no side
 INSIDE = 1e-6  # of the size of a facet: how far, on average, nodes of its element are in front of it by rounding
 
 
@@ -72,10 +73,9 @@ def _check_turn(name: str, facets: IntArray, corners: int, places: FloatArray, g
     normal /= np.maximum(size * size, np.finfo(np.float64).tiny)[:, None]
     height = np.einsum("ij,ij->i", places[node] - x.mean(axis=1)[facet], normal[facet])
     others = ~np.isin(facet * len(places) + node, rows * len(places) + facets.ravel())
-    total = np.bincount(facet[others], height[others], count) / np.maximum(
-        np.bincount(facet[others], minlength=count), 1
-    )
-    wrong = np.flatnonzero(total > INSIDE * size)
+    number = np.bincount(facet[others], minlength=count)
+    mean = np.bincount(facet[others], height[others], count) / np.maximum(number, 1)
+    wrong = np.flatnonzero((mean > INSIDE * size) & (number <= OF_ELEMENT))
     if len(wrong):
         raise ModelError(
             f"faces[{name!r}]: {len(wrong)} facet(s) are clockwise seen from outside (the first one is {wrong[0]}), "

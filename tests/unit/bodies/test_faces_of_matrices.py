@@ -84,6 +84,16 @@ def test_the_floor_of_a_slot_looks_up() -> None:
 
 
 @QUIET
+def test_matrices_that_link_all_nodes_do_not_tell_where_outside_is() -> None:
+    """Condensed to some nodes, they are dense: the mean of all nodes of an angle is in front of its inner sides."""
+    mesh = solid("hexahedron", (6, 4, 3)).finite_elements()
+    stiffness = mesh.stiffness.toarray()
+    stiffness[stiffness == 0.0] = 1e-30  # as entries that are stored
+    inside = mesh.facets[:1][:, ::-1]
+    lf.SpatialMatrices(mesh.mass, stiffness, mesh.places, faces={"one": inside})
+
+
+@QUIET
 @pytest.mark.parametrize(
     ("kind", "order"),
     [
