@@ -11,6 +11,7 @@ from lcpflex.dynamics.islands import root
 from lcpflex.dynamics.mechanics import whiten_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.index_sets import STICKING
 from lcpflex.solvers.contact.recollection import place_of
@@ -30,6 +31,13 @@ __all__ = [
 def is_large(work: Workspace, i: int) -> bool:
     """Whether island i is solved in the velocities of its bodies."""
     return bool(work.posed.islands.start[i + 1] - work.posed.islands.start[i] > work.impulses.dense_limit)
+
+
+@in_space("lcpflex.dynamics.spatial.contact_blocks")
+@kernel
+def wants_white(work: Workspace, i: int) -> bool:
+    """Whether island i, which has many contacts, is solved by rows that are whitened: in the plane all are."""
+    return True
 
 
 @kernel
@@ -81,7 +89,7 @@ def restore_free(work: Workspace) -> None:
 def prepare_large(model: Model, work: Workspace) -> None:
     """Rows by L^-1 where there are large islands."""
     for i in range(work.posed.islands.count):
-        if is_large(work, i) and len(work.rows.white) > 0:
+        if is_large(work, i) and len(work.rows.white) > 0 and wants_white(work, i):
             whiten_rows(model, work.rows, 0, work.rows.n_joint + work.rows.n_contacts + work.rows.n_tangents)
             return
 

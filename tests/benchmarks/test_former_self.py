@@ -18,6 +18,7 @@ TREE = Path(__file__).parents[2]
 WORKER = Path(__file__).parent / "peers" / "former_self.py"
 SLOWER = 1.03  # what is allowed
 SLOWER_SOLVES = 1.05  # the same of solves by sweeps, a third of which lays memory out
+BY_BLOCKS = 1.3  # steps of solids on many nodes, against the library before their contacts were solved by blocks
 QUICKER = 10.0  # distances of graphs, against the library before they were sought in a tree
 
 
@@ -99,3 +100,13 @@ def test_distances_of_graphs_no_longer_take_seconds(
     former, now = contestants
     medians = interleave(contestants, rounds=5)
     assert QUICKER * medians[now] <= medians[former]
+
+
+@pytest.mark.parametrize("contestants", ["solid", "rough_solid"], indirect=True)
+def test_solids_on_many_nodes_no_longer_sweep_in_all_their_modes(
+    contestants: Mapping[str, Worker], interleave: Callable[..., Mapping[str, float]]
+) -> None:
+    """For a former library that swept in the velocities of the bodies, as it did up to 60fdf261."""
+    former, now = contestants
+    medians = interleave(contestants, rounds=5)
+    assert BY_BLOCKS * medians[now] <= medians[former]

@@ -18,6 +18,7 @@ from lcpflex.contact.spatial.levers import mean_on_i, mean_on_j, radius_of_j
 from lcpflex.contact.spatial.narrow_phase.sides import Mean
 from lcpflex.contact.spatial.table import RIM_FACET, RIM_RIM, SpatialContactTable, by_cylinder
 from lcpflex.dynamics.delassus import delassus
+from lcpflex.dynamics.spatial.contact_problem import has_joints
 from lcpflex.dynamics.spatial.inertia import SpatialArrow, SpatialWork
 from lcpflex.dynamics.spatial.inertia_solve import turn_in
 from lcpflex.dynamics.spatial.point_blocks import has_blocks, mean_block, weigh_modes
@@ -25,8 +26,9 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.kinematics.spatial.vectors import row_vector
 from lcpflex.model.spatial import N_RIGID
 
-__all__ = ["WIDE", "fill_by_blocks", "fill_delassus", "moved_by"]
+__all__ = ["fill_by_blocks", "fill_delassus", "is_rough", "is_wide", "moved_by", "wants_white"]
 
+FEWEST, MOST = 4, 256  # contacts of a wide island; the operator of more takes tens of megabytes
 WIDE = 50  # velocities that a contact moves: below, products of rows cost no more than blocks
 
 
@@ -198,3 +200,30 @@ def fill_by_blocks(work: SpatialWork, entry: IntArray, stride: int, n: int, coun
                 for f in range(count):
                     G[count * b + f, count * a + e] = G[count * a + e, count * b + f]
     return True
+
+
+@kernel
+def is_rough(work: SpatialWork, i: int) -> bool:
+    """Whether island i has friction."""
+    islands = work.posed.islands
+    rough = False
+    for c in range(islands.start[i], islands.start[i + 1]):
+        rough = rough or work.posed.tangent_of[islands.contact[c]] >= 0
+    return rough
+
+
+@kernel
+def is_wide(work: SpatialWork, i: int, rough: bool) -> bool:
+    """Whether the Delassus operator of island i costs less than the rows of its contacts; ``rough``: with friction."""
+    islands = work.posed.islands
+    n = islands.start[i + 1] - islands.start[i]
+    if not FEWEST <= n <= MOST:
+        return False
+    moved = moved_by(work, islands.contact[islands.start[i] : islands.start[i + 1]], 1, n)
+    return bool(moved >= WIDE * n and (3 if rough else 1) * n * n <= moved)
+
+
+@kernel
+def wants_white(work: SpatialWork, i: int) -> bool:
+    """Whether island i, which has many contacts, is solved by rows that are whitened: others are if that fails."""
+    return bool(has_joints(work, i) or not is_wide(work, i, is_rough(work, i)))

@@ -13,7 +13,7 @@ from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.kinematics.spatial.configuration import advance
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["displace", "forces", "multiply", "solve_rows", "whiten_rows"]
+__all__ = ["displace", "forces", "multiply", "solve_rows", "whiten_late", "whiten_rows"]
 
 
 @kernel
@@ -61,6 +61,21 @@ def whiten_rows(model: SpatialModel, rows: RowsOfSpace, first: int, last: int) -
             b = rows.body[r, i]
             if b >= 0:
                 whiten(model.bodies, rows.arrow, b, rows.J[r, i], rows.white[r, i])
+
+
+@late_kernel
+def whiten_late(work: SpatialWork, i: int) -> None:
+    """Whiten the rows of island i, where that was spared."""
+    rows, islands, blocks = work.rows, work.posed.islands, work.rows.arrow.blocks
+    for c in range(islands.start[i], islands.start[i + 1]):
+        k = islands.contact[c]
+        j = work.posed.tangent_of[k]
+        for e in range(3 if j >= 0 else 1):
+            r = rows.n_joint + (k if e == 0 else rows.n_contacts + j + e - 1)
+            for side in range(2):
+                b = rows.body[r, side]
+                if b >= 0:
+                    whiten(blocks, rows.arrow, b, rows.J[r, side], rows.white[r, side])
 
 
 @kernel

@@ -46,9 +46,10 @@ class PointBlocks:
     number: IntArray = array("points")  # of each material point among those listed of its body; -1: none
     first: IntArray = array("bodies")  # of each body in ``block``
     last: IntArray = array("bodies")
-    dof: IntArray  # these six are those of the model
+    dof: IntArray  # these seven are those of the model
     centred: IntArray
     mass: FloatArray
+    S: FloatArray
     body: IntArray
     start: IntArray
     phi: FloatArray
@@ -81,6 +82,7 @@ def point_blocks(bodies: SpatialBodies, points: SpatialPoints, listed: IntArray,
         dof=bodies.dof,
         centred=bodies.centred,
         mass=bodies.mass,
+        S=bodies.S,
         body=points.body,
         start=points.start,
         phi=points.phi,

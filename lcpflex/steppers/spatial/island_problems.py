@@ -12,10 +12,12 @@ import math
 from lcpflex.dynamics.contact_problem import fits, pose_island
 from lcpflex.dynamics.large_island import describe_island as describe_bodies, is_large
 from lcpflex.dynamics.spatial.cone_sweeps import judge_island, sweep_island
+from lcpflex.dynamics.spatial.contact_blocks import is_rough, is_wide, wants_white
 from lcpflex.dynamics.spatial.contact_problem import describe_island, give_forces, has_joints, take_forces
 from lcpflex.dynamics.spatial.held_islands import GOES_ON, hold_island, moves, way_of_motion
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.least_cones import shorten_island
+from lcpflex.dynamics.spatial.mechanics import whiten_late
 from lcpflex.dynamics.spatial.shared_loads import judge_forces, put_forces, share_loads, shares_in_joints
 from lcpflex.jit.kernel import kernel, late_kernel
 from lcpflex.solvers.contact.algebra import IN_SPACE
@@ -27,10 +29,11 @@ from lcpflex.solvers.contact.large.solving import ROOM, solve_large as solve_man
 from lcpflex.solvers.contact.memory import NOTHING_KNOWN
 from lcpflex.solvers.contact.operators.fronts import lacks_room
 from lcpflex.solvers.contact.recollection import place_of, turn_over
+from lcpflex.solvers.contact.sweeping import is_settled
 from lcpflex.solvers.status import SOLVED
 from lcpflex.steppers.island_problems import tell_island
 from lcpflex.steppers.recorder import Recorder, note_certificate
-from lcpflex.steppers.spatial.wide_islands import exchange_normals, is_rough, is_wide, lacks_places
+from lcpflex.steppers.spatial.wide_islands import exchange_normals, lacks_places
 from lcpflex.steppers.status import RunStatus
 
 __all__ = ["shorten_forces", "solve_island", "solve_islands"]
@@ -121,8 +124,9 @@ def solve_in_bodies(work: SpatialWork, i: int, alone: bool) -> bool:
     describe_island(work, i)
     memory.size, memory.sweeping.iterations = 3 * memory.group.n, 0
     judge_island(work)
-    if alone:
+    if alone and not (is_good(memory.judged) and is_settled(memory.judged, memory.sweeping)):
         exchange_normals(work, i)
+        judge_island(work)
     good = sweep_island(work, FIRST_SWEEPS, False)
     tell(memory)
     return good
@@ -143,6 +147,8 @@ def solve_large(work: SpatialWork, i: int, warm: bool) -> int:
     work.impulses.largest = max(work.impulses.largest, n)
     if len(work.rows.white) == 0 or lacks_room(large.op.factor):  # the latter, where sunk contacts were to be lifted
         return RunStatus.GROW
+    if not wants_white(work, i):
+        whiten_late(work, i)
     describe_bodies(work, i)
     begin_joints(work, warm)
     large.judged.tolerance = memory.judged.tolerance
@@ -224,7 +230,8 @@ def solve_island(work: SpatialWork, i: int, tolerance: float, warm: bool, record
         begin_island(work, i, warm)
         if memory.method != POSED and work.posed.lifted == 0:
             rough = is_rough(work, i)
-            held, wide = has_joints(work, i), is_wide(work, i, rough)
+            plain = work.posed.on_sets == 0 and work.posed.shifted == 0
+            held, wide = has_joints(work, i), plain and is_wide(work, i, rough)
             if wide and not held:
                 if not rough and lacks_places(work, n):
                     return RunStatus.GROW

@@ -8,42 +8,17 @@ contacts that carry are found by exchanges, from those of the last step on (:mod
 from __future__ import annotations
 
 from lcpflex.dynamics.delassus import delassus
-from lcpflex.dynamics.spatial.cone_sweeps import judge_island
-from lcpflex.dynamics.spatial.contact_blocks import WIDE, fill_by_blocks, moved_by
+from lcpflex.dynamics.spatial.contact_blocks import fill_by_blocks
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import kernel, late_kernel
 from lcpflex.solvers.auto import TARGET
-from lcpflex.solvers.contact.judging import is_good
-from lcpflex.solvers.contact.sweeping import is_settled
 from lcpflex.solvers.lcp.principal_pivoting import principal_pivoting
 from lcpflex.solvers.status import SOLVED
 
-__all__ = ["exchange_normals", "is_rough", "is_wide", "lacks_places"]
+__all__ = ["exchange_normals", "lacks_places"]
 
-FEWEST, MOST = 4, 256  # contacts; the operator of more takes tens of megabytes
 PIVOTS = 100, 20  # of the exchanges at most, and for each contact besides
 SPARE = 5  # rows that the work memory of exchanges has beyond the unknowns
-
-
-@kernel
-def is_rough(work: SpatialWork, i: int) -> bool:
-    """Whether island i has friction."""
-    islands = work.posed.islands
-    rough = False
-    for c in range(islands.start[i], islands.start[i + 1]):
-        rough = rough or work.posed.tangent_of[islands.contact[c]] >= 0
-    return rough
-
-
-@kernel
-def is_wide(work: SpatialWork, i: int, rough: bool) -> bool:
-    """Whether the Delassus operator of island i costs less than the rows of its contacts; ``rough``: with friction."""
-    islands = work.posed.islands
-    n = islands.start[i + 1] - islands.start[i]
-    if not FEWEST <= n <= MOST or work.posed.on_sets == 1 or work.posed.shifted == 1:
-        return False
-    moved = moved_by(work, islands.contact[islands.start[i] : islands.start[i + 1]], 1, n)
-    return bool(moved >= WIDE * n and (3 if rough else 1) * n * n <= moved)
 
 
 @kernel
@@ -57,13 +32,11 @@ def lacks_places(work: SpatialWork, n: int) -> bool:
 
 @late_kernel
 def exchange_normals(work: SpatialWork, i: int) -> None:
-    """Forces ``work.impulses.p`` of island i, without friction and judged before, by exchanges, and judged again.
+    """Forces ``work.impulses.p`` of island i, without friction and judged, by exchanges from those that it has.
 
-    They stay as they are where they solve it to rounding already, and where exchanges find nothing.
+    They stay as they are where exchanges find nothing.
     """
     memory, islands, rows = work.impulses.solver, work.posed.islands, work.rows
-    if is_good(memory.judged) and is_settled(memory.judged, memory.sweeping):
-        return
     group, dense, basis = memory.group, memory.dense, memory.basis
     n, n_joint, G, unit = group.n, rows.n_joint, memory.dense.columns, memory.group.unit
     contact = islands.contact[islands.start[i] : islands.start[i + 1]]
@@ -82,4 +55,3 @@ def exchange_normals(work: SpatialWork, i: int) -> None:
     if status == SOLVED:
         for a in range(n):
             work.impulses.p[n_joint + contact[a]] = unit[a] * dense.y[a]
-        judge_island(work)

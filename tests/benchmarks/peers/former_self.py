@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import scipy.sparse
@@ -18,12 +19,26 @@ from lcpflex import gallery
 from lcpflex.solvers import BlockGaussSeidel, ContactProblem, SpatialContactProblem
 from lcpflex.studies import graph_distance
 
-SCENES: dict[str, tuple[Callable[[], lf.Scene], float, object]] = {
+
+def pressed_solid(friction: float = 0.0) -> lf.SpatialScene:
+    """A steel block of 20 modes whose 49 nodes below ring on a plane that 10^4 times its weight drives it to."""
+    steel = {"density": 7800.0, "youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
+    solid = lf.Solid.box((0.02, 0.02, 0.01), elements=(6, 6, 2), **steel)
+    rows = "all" if friction else "normal"
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, -1e5))
+    block = scene.add(solid.reduce(20, contact="bottom", rows=rows), "block", position=(0.0, 0.0, 0.005))
+    scene.contact(block.surface(), scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)), friction=friction)
+    return scene
+
+
+SCENES: dict[str, tuple[Callable[[], lf.Scene | lf.SpatialScene], float, object]] = {
     "pendulum": (gallery.pendulum, 0.6, lf.MoreauJean(step=1e-5)),
     "incline": (gallery.block_on_incline, 1.0, lf.MoreauJean(step=2e-5)),
     "bar": (lambda: gallery.elastic_bar(elements=30), 1.5, lf.MoreauJean(step=1e-4)),
     "event_driven": (gallery.stick_slip_block, 1.9, lf.EventDriven(max_step=1e-3)),
     "generalized_alpha": (gallery.pendulum, 0.6, lf.GeneralizedAlpha(step=2e-5)),
+    "solid": (pressed_solid, 8e-4, lf.MoreauJean(step=4e-7)),
+    "rough_solid": (partial(pressed_solid, 0.3), 4e-4, lf.MoreauJean(step=4e-7)),
 }
 GRAPHS = {"late_wave": 200.5, "near_wave": 200.0}  # half a turn behind at the end; the same, one part in 1e5 apart
 CORNERS = 20_001

@@ -10,10 +10,11 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.dynamics.delassus import delassus
-from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, solve_rows
+from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, solve_rows, whiten_rows
 from lcpflex.dynamics.spatial.contact_blocks import fill_by_blocks
+from lcpflex.dynamics.spatial.mechanics import whiten_late
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.jit.struct import pack
+from lcpflex.jit.struct import pack, put_array
 from lcpflex.steppers.time_stepping import TimeStepping
 from tests.solid_meshes import QUIET, STEEL
 
@@ -123,3 +124,17 @@ def test_levers_and_rigid_bodies_have_none(monkeypatch: pytest.MonkeyPatch) -> N
         assert n == 1
         for _ in range(2):
             assert not fill_by_blocks(work, np.zeros(1, dtype=np.int64), 1, n, 1, np.zeros((1, 1)))
+
+
+@pytest.mark.parametrize("make", [on_plane, clamped])
+def test_rows_whitened_late_are_those_of_the_step(make: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """To the bit: where exchanges or sweeps fail, the solver of many contacts goes on with them."""
+    work = stepped(make, 0.3, monkeypatch)
+    rows: Any = work.rows
+    put_array(rows, "white", np.zeros_like(rows.J))
+    whiten_late(work, 0)
+    found, n = rows.white.copy(), int(rows.n_contacts + rows.n_tangents)
+    rows.white[:] = 0.0
+    whiten_rows(pack(make(0.3).compile().model), rows, 0, n)
+    np.testing.assert_array_equal(found, rows.white)
+    assert found[:n, 0].any(axis=1).all()
