@@ -15,7 +15,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.vectors import added, row_vector, scaled, turned, turned_back
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["faces_touch"]
+__all__ = ["depth_below", "faces_touch"]
 
 LEAST = 1e-3  # of an area that must be common: what is less hangs on a sample at its rim, and would be no mean
 BESIDE = 2.0  # lengths of an area: how far above the margin one of its samples may be, if the mean is within it
@@ -93,3 +93,18 @@ def faces_touch(
             n += 1
         forget(memory, count)
     return n
+
+
+@kernel
+def depth_below(model: SpatialModel, q: FloatArray, table: SpatialContactTable, s: int, node: int, b: int) -> float:
+    """How deep node ``node`` of surface b is below face s [m]; 0 where it is above it or beside."""
+    c, memory = model.contacts, table.faces
+    memory.search += 1
+    of_node, j = frame_of(model.bodies, q, c.surface_body[b]), frame_of(model.bodies, q, c.surface_body[s])
+    radius, point = c.node_radius[node], c.node_point[node]
+    place = seen_from(j, world_place(of_node, place_of(model, q, memory, of_node, point)))
+    outward = (0.0, 0.0, 0.0)
+    if radius == 0.0:
+        outward = turned_back(j.A, turned(of_node.A, row_vector(c.node_normal, node)))
+    find_foot(model, q, radius, table, j, s, 0, place, outward)
+    return radius - memory.gap[0] if memory.foot_on[0] >= 0 else 0.0

@@ -18,7 +18,7 @@ from lcpflex.contact.spatial.narrow_phase.sides import Frame, place_in
 from lcpflex.contact.spatial.table import SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
-from lcpflex.kinematics.spatial.vectors import NOTHING, apart_from, dot, norm, row_vector, scaled
+from lcpflex.kinematics.spatial.vectors import NOTHING, apart_from, dot, is_zero, norm, row_vector, scaled
 from lcpflex.model.spatial import SpatialModel
 
 __all__ = ["cell_point", "cell_size", "find_foot", "place_of"]
@@ -163,8 +163,9 @@ def keep_foot(memory: FaceMemory, sample: int, f: int, nodes: int, foot: Foot) -
 
 @kernel
 def accepted(foot: Foot, outward: Vector, margin: float) -> bool:
-    """Whether a foot is one of a sample with this outward normal, at most ``margin`` below it."""
-    return foot.inside and foot.gap <= margin and dot(foot.normal, outward) <= FACING
+    """Whether a foot is one of a sample with this outward normal, at most ``margin`` below it; 0: a round one's."""
+    faces = is_zero(outward) or dot(foot.normal, outward) <= FACING
+    return foot.inside and foot.gap <= margin and faces
 
 
 @kernel

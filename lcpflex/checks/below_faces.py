@@ -1,0 +1,86 @@
+"""What is below a face of a solid without being felt there: corners and balls smaller than what the face touches with.
+
+The nodes or areas of a face are what touches. A corner, or a ball, that comes down between them goes in until one of
+them feels it, or through. So the nodes of the other surface are looked at over the face, at some stored instants.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+
+from lcpflex.bodies.spatial.surface import CODES, FACE, SpatialKind
+from lcpflex.compile.compiled_scene import CompiledScene
+from lcpflex.contact.near import near
+from lcpflex.contact.spatial.faces.detection import depth_below
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.struct import pack
+from lcpflex.model.layout import is_spatial
+from lcpflex.results.result import Result
+
+__all__ = ["sunk_below_faces"]
+
+INSTANTS = 20  # looked at: that of the largest force, the last one, and some between
+DEEP = 0.05  # of the width of an area or of the way between nodes: resolved contacts are a tenth of that deep
+MOST_WORK = 20_000  # nodes at instants
+ROUND_KINDS = (CODES[SpatialKind.SPHERE], CODES[SpatialKind.CAPSULE])
+
+
+def sunk_below_faces(result: Result) -> tuple[str, ...]:
+    """A warning for each contact of a face in which the other surface is deeper below it than its gaps tell."""
+    compiled = result.compiled
+    if compiled is None or not is_spatial(compiled.model) or len(result.times) < 2:
+        return ()
+    contacts = compiled.model.contacts
+    faces = np.flatnonzero(np.asarray(contacts.surface_kind) == FACE)
+    passes = [w for w in range(len(contacts.pass_law)) if contacts.pass_node[w] in faces]
+    return tuple(told for w in passes if (told := _told(result, compiled, w)))
+
+
+def _told(result: Result, compiled: CompiledScene, w: int) -> str:
+    """The warning of a pass; empty where there is none to be given."""
+    contacts = compiled.model.contacts
+    law, s, b = (int(column[w]) for column in (contacts.pass_law, contacts.pass_node, contacts.pass_feature))
+    nodes = _nodes(compiled, b)
+    share = np.asarray(contacts.area_share)
+    first = np.asarray(contacts.area_start)[contacts.node_start[s] : contacts.node_start[s + 1] + 1]
+    wide = math.sqrt(max(share[i:j].sum() for i, j in pairwise(first)))
+    if not len(nodes):
+        return ""
+    model = pack(compiled.model)
+    worst, at = 0.0, 0
+    for record in _instants(result, law, len(nodes)):
+        q = np.array(result.q[record])
+        if not np.isfinite(q).all():
+            continue
+        table, _ = near(model, q, 0.0)
+        depth = max(float(depth_below(model, q, table, s, int(node), b)) for node in nodes)
+        depth -= 2.0 * max(0.0, -float(np.nan_to_num(result.gap[record, law])))
+        if depth > worst:
+            worst, at = depth, record
+    if worst <= DEEP * wide:
+        return ""
+    return (
+        f"contact {result.contact_names[law]!r}: at t = {result.times[at]:.6g} s the other surface is {worst:.3g} m "
+        f"below the face, where none of its nodes or areas, about {wide:.3g} m wide, feels it: expected a finer mesh "
+        "there, or the whole surface of the body, body.surface(), which corners and balls touch anywhere"
+    )
+
+
+def _nodes(compiled: CompiledScene, b: int) -> IntArray:
+    """Nodes of a surface that tell how deep it is: corners, and centres of balls."""
+    contacts = compiled.model.contacts
+    own = np.arange(contacts.node_start[b], contacts.node_start[b + 1])
+    if contacts.surface_kind[b] in ROUND_KINDS:
+        return own
+    radius: FloatArray = np.asarray(contacts.node_radius)[own]
+    return np.asarray(own[radius == 0.0])
+
+
+def _instants(result: Result, law: int, nodes: int) -> list[int]:
+    """Stored instants that are looked at."""
+    count = max(2, min(INSTANTS, MOST_WORK // nodes))
+    even = np.linspace(0, len(result.times) - 1, count).astype(int).tolist()
+    return sorted({*even, int(result.force[:, law, 0].argmax())})
