@@ -91,3 +91,23 @@ def test_a_hand_that_moves_aside_drags_the_box_over_the_ground() -> None:
     pressed = result.contact("floor").normal_force[dragged]
     np.testing.assert_allclose(friction, 0.3 * pressed, rtol=1e-6)
     assert not result.found_wrong
+
+
+@pytest.mark.filterwarnings("ignore:mesh. its stiffness:lcpflex.ModelWarning")  # coarse: rest is exact on any mesh
+def test_a_soft_finger_on_a_wall_comes_to_rest() -> None:
+    """What swings dies out, and then nothing moves: no step is larger than those before it."""
+    rubber = {"density": 1100.0, "youngs_modulus": 2e6, "poissons_ratio": 0.45}
+    solid = lf.Solid.box((0.03, 0.024, 0.024), elements=(3, 2, 2), **rubber)
+    body = solid.reduce(modes=4, interfaces=["left"], contact="right", damping=lf.Rayleigh(0.0, 2e-3))
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, -GRAVITY))
+    finger = scene.add(body, name="finger")
+    root = finger.point("left")
+    scene.join(lf.Prismatic(root, scene.ground.at(-0.015, 0.0, 0.0), axis=(1.0, 0.0, 0.0)))
+    scene.load(lf.Force(root, (lf.Table([0.0, 0.1], [0.0, 6.0]), 0.0, 0.0)))
+    wall = scene.ground.plane((0.015, 0.0, 0.0), (-1.0, 0.0, 0.0))
+    scene.contact(finger.face("right"), wall, friction=0.5, points="nodes")
+    result = lf.simulate(scene, 1.5, lf.MoreauJean(step=2e-3, solver_tolerance=1e-12), progress=False)
+    ways = np.abs(np.diff(result.q, axis=0)).max(axis=1)
+    parts = [ways[(result.times[1:] > t) & (result.times[1:] <= t + 0.1)].max() for t in np.arange(0.2, 1.2, 0.1)]
+    assert all(later < before for before, later in pairwise(parts))
+    assert ways[-1] < 1e-15

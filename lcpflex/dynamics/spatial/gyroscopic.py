@@ -92,11 +92,15 @@ def recall_contacts(work: SpatialWork) -> None:
 
 
 @kernel
-def turns(model: SpatialModel, h: float, u: FloatArray) -> bool:
-    """Whether a body turns in a step."""
+def turns(model: SpatialModel, h: float, u: FloatArray, free: FloatArray) -> bool:
+    """Whether a body turns in a step, or would without contacts: one that bends where it is pressed does, at rest."""
     for b in range(len(model.bodies.mass)):
         d = model.bodies.dof[b]
-        if h * (abs(u[d + 3]) + abs(u[d + 4]) + abs(u[d + 5])) > STILL:
+        now, then = 0.0, 0.0
+        for i in range(d + 3, d + 6):
+            now += abs(u[i])
+            then += abs(free[i])
+        if h * max(now, then) > STILL:
             return True
     return False
 
@@ -107,7 +111,7 @@ def touch_bodies(model: SpatialModel, h: float, u: FloatArray, work: SpatialWork
     touch, known, n_joint = work.rows.arrow.touch, work.impulses.remembered, work.rows.n_joint
     for i in range(len(touch)):
         touch[i] = 0.0
-    if known.n == 0 or not turns(model, h, u):
+    if known.n == 0 or not turns(model, h, u, work.free.u):
         return
     table, forces = work.rows.table, work.rows.joints.rates
     for k in range(work.rows.n_contacts):
