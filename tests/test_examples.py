@@ -34,6 +34,7 @@ STUDIES = (
     "slider_crank_with_flexible_stop",
     "slotted_joint_tables",
     "snap_fit",
+    "soft_gripper",
     "strip_pile",
     "two_spheres",
     "velocity_behind_contact",
