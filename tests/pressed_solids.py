@@ -69,6 +69,7 @@ class Rows(NamedTuple):
 
     gap: FloatArray  # (k,) [m]
     area: FloatArray  # (k,) [m^2]
+    share: FloatArray  # (k,) of a force law of the whole face
     place: FloatArray  # (k, 3) of the point of the slave
     normal: FloatArray  # (k, 3) towards the first solid
     nodal: list[tuple[IntArray, FloatArray]]  # of each solid, its nodes and (k, nodes, 3)
@@ -115,7 +116,8 @@ def _looked_at(scene: lf.SpatialScene, handles: list[Any], solids: list[lf.Solid
         np.testing.assert_allclose(flat.T @ own, rows[:, first:last].T, atol=1e-9 * np.abs(rows).max())
         nodal.append((_nodes(solid), own.T.reshape(count, -1, 3)))
     points = np.array([contact_point(model, q, table, k) for k in range(count)])
-    return Rows(table.gap[:count].copy(), table.area[:count].copy(), points, table.normal[:count].copy(), nodal)
+    gap, area, share, normal = (values[:count].copy() for values in (table.gap, table.area, table.weight, table.normal))
+    return Rows(gap, area, share, points, normal, nodal)
 
 
 def meet(first: lf.Solid, second: lf.Solid, by: str, slave: int, margin: float) -> Rows:

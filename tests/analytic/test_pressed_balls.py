@@ -190,3 +190,46 @@ def test_an_elastic_ball_of_quadratic_elements(kind: str, ball: float, block: fl
     assert within(found.approach, 0.03)
     assert within(found.radius, 0.03)
     assert found.pressure < (0.1 if kind == "hexahedron27" else 0.3)
+
+
+def line_contact(fine: float, by: str, shape: str) -> tuple[float, float]:
+    """A round rod of the ground on a block in plane strain: its half width over b, and the rms error of p over p0.
+
+    b = (4 F R / (pi E*))^(1/2) with the force a length F that is found, as the approach hangs on the depth; p0 = 2 F /
+    (pi b), and <x^2> = b^2 / 4.
+    """
+    h, radius = A / fine, A / RIGID_BALL
+    zone = math.ceil(ZONE * fine) * h
+    lines = graded(h, zone, WIDE * A, GROWTH), np.linspace(0.0, 2.0 * h, 3), -graded(h, h, WIDE * A, GROWTH)[::-1]
+    solid = lf.Solid(
+        grid_block("hexahedron", lines), **STEEL, sets={"contact": lambda x, y, z: (z == 0.0) & (x < zone + 1e-3 * h)}
+    )
+    x, y, z = solid.finite_elements().places.T
+    end = WIDE * A * (1.0 - 1e-9)
+    held = np.column_stack([x == 0.0, (y == 0.0) | (y == y.max()), np.zeros(len(x), dtype=bool)])
+    held[(x > end) | (z < -end)] = True
+    approach = 1.9 * A**2 / radius  # which makes b some 1.2 a
+    axis = np.array([0.0, 1.0, 0.0])
+    middle = np.array([0.0, 0.0, radius - approach])
+    made: dict[str, Any] = {
+        "cylinder": lambda ground: ground.cylinder(middle, axis, radius, 100.0 * h),
+        "capsule": lambda ground: ground.capsule(middle - 50.0 * h * axis, middle + 50.0 * h * axis, radius),
+    }
+    rows = touch_ground(solid, made[shape], by, 0.3 * approach)
+    force = press(rows, [Part(solid, held.ravel())]).force
+    upright = force * np.abs(rows.normal[:, 2])
+    each = 2.0 * float(upright.sum()) / (2.0 * h)
+    b = math.sqrt(4.0 * each * radius * (1.0 - NU**2) / (math.pi * E))
+    away = np.abs(rows.place[:, 0])
+    inner = away < 0.8 * b
+    error = force[inner] / rows.area[inner] * math.pi * b / (2.0 * each) - np.sqrt(1.0 - (away[inner] / b) ** 2)
+    return math.sqrt(4.0 * float(upright @ away**2) / float(upright.sum())) / b, rms(error)
+
+
+@pytest.mark.parametrize(
+    ("by", "shape", "pressure"), [("nodes", "cylinder", 0.03), ("areas", "cylinder", 0.1), ("areas", "capsule", 0.1)]
+)
+def test_a_rigid_rod_on_a_block(by: str, shape: str, pressure: float) -> None:
+    width, error = line_contact(5.0, by, shape)
+    assert within(width, 0.03)
+    assert error < pressure

@@ -13,7 +13,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.jit.kernel import FloatArray
-from tests.pressed_solids import Part, centre_stress, grid_block, meet, press
+from tests.pressed_solids import Part, centre_stress, grid_block, meet, press, touch_ground
 
 E, NU, PRESSURE = 2e11, 0.3, 1e8
 STEEL: dict[str, Any] = {"density": 7800.0, "youngs_modulus": E, "poissons_ratio": NU}
@@ -100,6 +100,25 @@ def test_matching_meshes_have_the_pressure_that_is_applied(kind: str, by: str) -
         assert found.force < 1e-9
         assert found.pressure < 1e-6
         assert max(found.stress) < 1e-6
+
+
+GROUND: dict[str, Any] = {
+    "plane": lambda ground: ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
+    "larger hull": lambda ground: ground.box((0.5, 0.4, -0.5), (1.5, 1.3, 1.0)),
+    "equal hull": lambda ground: ground.box((0.5, 0.5, -0.5), (1.0, 1.0, 1.0)),
+    "end of a cylinder": lambda ground: ground.cylinder((0.5, 0.5, -0.5), (0.0, 0.0, 1.0), 0.8, 1.0),
+}
+
+
+@pytest.mark.parametrize("ground", GROUND)
+@pytest.mark.parametrize(("kind", "by"), [("hexahedron", "nodes"), ("hexahedron", "areas"), ("hexahedron27", "areas")])
+def test_flat_ground_has_the_pressure_that_is_applied(kind: str, by: str, ground: str) -> None:
+    solid = cube(kind, 2, 0.0, 1.0)
+    rows = touch_ground(solid, GROUND[ground], by, 1e-3)
+    found = press(rows, [upper(solid)])
+    np.testing.assert_allclose(found.force / rows.area, PRESSURE, rtol=1e-6)
+    np.testing.assert_allclose(centre_stress(solid, found.moved[0])[1], -PRESSURE, rtol=1e-6)
+    np.testing.assert_allclose([rows.area.sum(), rows.share.sum()], 1.0, rtol=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["hexahedron", *QUADRATIC])

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from lcpflex.bodies.spatial.surface import FACE
 from lcpflex.contact.spatial.entries import load_by_cylinder
 from lcpflex.contact.spatial.narrow_phase.cylinder import length_between, radial
 from lcpflex.contact.spatial.narrow_phase.rim import rim_axis
@@ -54,9 +55,13 @@ def nodes_on_cylinder(
         place = world_place(of_nodes, place_in(model.points, q, of_nodes, c.node_point[node]))
         z, _, r = radial(axis, apart_from(place, start))
         kind, part, distance = part_of(z, r, length, c.feature_radius[first], thin)
-        if distance - c.node_radius[node] <= margin:
+        # the gap of a mean of samples is less than theirs over the side alone: ends are flat
+        flat = c.surface_kind[a] == FACE and kind != NODE_SIDE
+        radius = 0.0 if flat else c.node_radius[node]
+        if distance - radius <= margin:
             if n < len(table.key):
                 load_by_cylinder(model, table, n, law, kind, node, first, part)
+                table.radius[n, 0] = radius
                 locate(model, q, table, n)
             n += 1
     return n

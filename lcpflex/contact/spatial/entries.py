@@ -76,6 +76,13 @@ def load_node(model: SpatialModel, table: SpatialContactTable, k: int, law: int,
     table.radius[k, 0] = c.node_radius[node]
     table.radius[k, 1] = c.feature_radius[f]
     table.sense[k] = 1.0 if c.feature_radius[f] >= 0.0 else -1.0
+    load_share(model, table, k, node)
+
+
+@kernel
+def load_share(model: SpatialModel, table: SpatialContactTable, k: int, node: int) -> None:
+    """Of entry k the area that the force of a node acts on, and the part of a force law of a face that it has."""
+    c = model.contacts
     if len(c.node_area) > 0:
         table.area[k] = c.node_area[node]
         table.weight[k] = c.node_share[node]
@@ -140,6 +147,7 @@ def load_by_cylinder(
     table.radius[k, 0] = c.node_radius[node]
     table.radius[k, 2] = c.feature_radius[first]
     table.sense[k] = -1.0 if part in (0, 3) else 1.0
+    load_share(model, table, k, node)
 
 
 @kernel
