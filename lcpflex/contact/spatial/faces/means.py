@@ -19,7 +19,7 @@ import math
 from lcpflex.contact.spatial.faces.feet import cell_point, cell_size
 from lcpflex.contact.spatial.faces.memory import FaceMemory, begin_mean, mean_of
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, seen_from, world_place
-from lcpflex.jit.kernel import kernel
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, row_vector, scaled
 from lcpflex.model.spatial import N_RIGID, SpatialModel
@@ -145,27 +145,54 @@ def gap_of_means(memory: FaceMemory, count: int, i: Frame, j: Frame) -> float:
 
 
 @kernel
+def part_points(memory: FaceMemory, count: int) -> int:
+    """Order the listed points: those of the slave first; how many these are."""
+    own = 0
+    for at in range(count):
+        p = memory.listed[at]
+        if memory.weight[p, S] != 0.0:
+            memory.listed[at], memory.listed[own] = memory.listed[own], p
+            own += 1
+    return own
+
+
+@kernel
+def add_modes(total: FloatArray, phi: FloatArray, weight: float) -> None:
+    """Add ``weight`` times phi (n, 3) to the modes of a mean: of parts that begin at 0, which is what makes it fast."""
+    for m in range(len(total)):
+        total[m, 0] += weight * phi[m, 0]
+        total[m, 1] += weight * phi[m, 1]
+        total[m, 2] += weight * phi[m, 2]
+
+
+@kernel
+def lay_mean_of(
+    model: SpatialModel, memory: FaceMemory, points: tuple[int, int], k: int, which: int, body: int
+) -> None:
+    """Place and modes of mean ``which`` of entry k, of a body: by its column of weights, of some listed points."""
+    modes = 0 if body < 0 else model.bodies.dof[body + 1] - model.bodies.dof[body] - N_RIGID
+    first = begin_mean(memory, k, which, body, modes)
+    place = memory.means.place[mean_of(k, which)]
+    total = memory.means.phi[first : first + modes]
+    for at in range(points[0], points[1]):
+        p = memory.listed[at]
+        weight = memory.weight[p, which]
+        for c in range(3):
+            place[c] += weight * model.points.place[p, c]
+        start = model.points.start[p]
+        add_modes(total, model.points.phi[start : start + modes], weight)
+
+
+@kernel
 def lay_means(
     model: SpatialModel, memory: FaceMemory, count: int, k: int, bodies: tuple[int, int], area: float
 ) -> None:
     """The four material points of entry k: S, and M, M + l T_1 and M + l T_2 with the length l of the area."""
     size = math.sqrt(area)
-    for which in range(4):
-        body = bodies[0] if which == 0 else bodies[1]
-        modes = 0
-        if body >= 0:
-            modes = model.bodies.dof[body + 1] - model.bodies.dof[body] - N_RIGID
-        first = begin_mean(memory, k, which, body, modes)
-        place = memory.means.place[mean_of(k, which)]
-        for at in range(count):
-            p = memory.listed[at]
-            weight = memory.weight[p, min(which, 1)]
-            if which >= 2:
-                weight += size * memory.weight[p, which]
-            if weight != 0.0:
-                for c in range(3):
-                    place[c] += weight * model.points.place[p, c]
-                start = model.points.start[p]
-                for m in range(model.points.start[p + 1] - start):
-                    for c in range(3):
-                        memory.means.phi[first + m, c] += weight * model.points.phi[start + m, c]
+    own = part_points(memory, count)
+    for at in range(own, count):
+        w = memory.weight[memory.listed[at]]
+        w[T1], w[T2] = w[M] + size * w[T1], w[M] + size * w[T2]
+    lay_mean_of(model, memory, (0, own), k, S, bodies[0])
+    for which in range(M, T2 + 1):
+        lay_mean_of(model, memory, (own, count), k, which, bodies[1])

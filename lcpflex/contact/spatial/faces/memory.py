@@ -93,15 +93,19 @@ def lay_mean(memory: FaceMemory, k: int, which: int, body: int, modes: int) -> i
 
 
 @kernel
+def clear_rows(rows: FloatArray) -> None:
+    """Set rows of three to 0."""
+    for i in range(len(rows)):
+        rows[i, 0], rows[i, 1], rows[i, 2] = 0.0, 0.0, 0.0
+
+
+@kernel
 def begin_mean(memory: FaceMemory, k: int, which: int, body: int, modes: int) -> int:
-    """The same of one that is at 0 and does not move."""
-    means = memory.means
+    """Make a mean of entry k one at 0, of a body with so many modes; the first of the rows of these."""
     first = lay_mean(memory, k, which, body, modes)
     for c in range(3):
-        means.place[mean_of(k, which), c] = 0.0
-    for i in range(first, first + modes):
-        for c in range(3):
-            means.phi[i, c] = 0.0
+        memory.means.place[mean_of(k, which), c] = 0.0
+    clear_rows(memory.means.phi[first : first + modes])
     return first
 
 
