@@ -182,6 +182,10 @@ class Mesh:
     source: str = "mesh"
     faces: Mapping[str, IntArray] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        """How large it is, and not the arrays."""
+        return f"<{self.source}: {len(self.places)} nodes, {len(self.cells)} elements of kind {self.kind.name!r}>"
+
     @property
     def size(self) -> float:
         """Extent of the mesh [m]."""

@@ -375,3 +375,9 @@ def test_every_reduction_of_the_plane_takes_solids(kind: str, counts: tuple[int,
         if name == "published":
             assert error > 1e-2
     assert np.abs(lf.craig_bampton(given, "tip", 4).second / exact.second - 1.0)[np.eye(3, dtype=bool)].max() < 1e-12
+
+
+@QUIET
+def test_a_solid_says_how_large_its_mesh_is_and_not_where_its_nodes_are() -> None:
+    said = repr(lf.Solid.box((0.3, 0.2, 0.1), elements=(3, 2, 1), **STEEL))
+    assert said.startswith("Solid(mesh=<mesh: 24 nodes, 6 elements of kind 'hexahedron'>, density=")
