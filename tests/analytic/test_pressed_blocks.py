@@ -144,10 +144,10 @@ def test_a_coarser_slave_is_told() -> None:
 
 
 @pytest.mark.slow
-def test_a_slave_that_is_hardly_coarser_is_as_good() -> None:
-    """10 on 9 elements an edge, and 9 on 10: no warning, and errors of one size."""
-    finer, coarser = pressed("hexahedron", 10, 9, 0), pressed("hexahedron", 10, 9, 1)
-    assert max(coarser.stress) < 1.2 * max(finer.stress) < 0.02
+def test_nearly_equal_meshes_are_as_good_as_others() -> None:
+    """10 on 9 elements an edge, and 9 on 10, which no warning calls coarser: parts are cut by the master anywhere."""
+    assert max(pressed("hexahedron", 10, 9, 0).stress) < 0.01
+    assert max(pressed("hexahedron", 10, 9, 1).stress) < 0.03
 
 
 def test_nodes_on_another_mesh_are_no_patch_test() -> None:
