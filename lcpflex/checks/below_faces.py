@@ -1,7 +1,8 @@
 """What is below a face of a solid without being felt there: corners and balls smaller than what the face touches with.
 
 The nodes or areas of a face are what touches. A corner, or a ball, that comes down between them goes in until one of
-them feels it, or through. So the nodes of the other surface are looked at over the face, at some stored instants.
+them feels it, or through. So the nodes of the other surface are looked at over the face, at some stored instants. And
+an area at a corner or an edge of its own body, which lands on it, is far behind that: so are the nodes of the face.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 from lcpflex.bodies.spatial.surface import CODES, FACE, SpatialKind
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.contact.near import near
-from lcpflex.contact.spatial.faces.detection import depth_below
+from lcpflex.contact.spatial.faces.detection import depth_below, depth_of
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.layout import is_spatial
@@ -29,7 +30,7 @@ ROUND_KINDS = (CODES[SpatialKind.SPHERE], CODES[SpatialKind.CAPSULE])
 
 
 def sunk_below_faces(result: Result) -> tuple[str, ...]:
-    """A warning for each contact of a face in which the other surface is deeper below it than its gaps tell."""
+    """A warning for each contact of a face in which one surface is deeper in the other one than its gaps tell."""
     compiled = result.compiled
     if compiled is None or not is_spatial(compiled.model) or len(result.times) < 2:
         return ()
@@ -47,26 +48,32 @@ def _told(result: Result, compiled: CompiledScene, w: int) -> str:
     share = np.asarray(contacts.area_share)
     first = np.asarray(contacts.area_start)[contacts.node_start[s] : contacts.node_start[s + 1] + 1]
     wide = math.sqrt(max(share[i:j].sum() for i, j in pairwise(first)))
-    if not len(nodes):
-        return ""
     model = pack(compiled.model)
-    worst, at = 0.0, 0
-    for record in _instants(result, law, len(nodes)):
+    worst, at = np.zeros(2), np.zeros(2, dtype=np.int64)  # of the nodes of the other surface, of those of the face
+    for record in _instants(result, law, len(nodes) + len(first)):
         q = np.array(result.q[record])
         if not np.isfinite(q).all():
             continue
         table, _ = near(model, q, 0.0)
-        depth = max(float(depth_below(model, q, table, s, int(node), b)) for node in nodes)
+        theirs = max((float(depth_below(model, q, table, s, int(node), b)) for node in nodes), default=0.0)
+        depth = np.array([theirs, float(depth_of(model, q, table, s, b))])
         depth -= 2.0 * max(0.0, -float(np.nan_to_num(result.gap[record, law])))
-        if depth > worst:
-            worst, at = depth, record
-    if worst <= DEEP * wide:
-        return ""
-    return (
-        f"contact {result.contact_names[law]!r}: at t = {result.times[at]:.6g} s the other surface is {worst:.3g} m "
-        f"below the face, where none of its nodes or areas, about {wide:.3g} m wide, feels it: expected a finer mesh "
-        "there, or the whole surface of the body, body.surface(), which corners and balls touch anywhere"
-    )
+        at[depth > worst] = record
+        worst = np.maximum(worst, depth)
+    name = f"contact {result.contact_names[law]!r}"
+    if worst[0] > DEEP * wide:
+        return (
+            f"{name}: at t = {result.times[at[0]]:.6g} s the other surface is {worst[0]:.3g} m below the face, where "
+            f"none of its nodes or areas, about {wide:.3g} m wide, feels it: expected a finer mesh there, or the whole "
+            "surface of the body, body.surface(), which corners and balls touch anywhere"
+        )
+    if worst[1] > DEEP * wide:
+        return (
+            f"{name}: at t = {result.times[at[1]]:.6g} s a node of the face is {worst[1]:.3g} m below the other "
+            f"surface, which none of its areas, about {wide:.3g} m wide, feels: expected points='nodes', or the whole "
+            "surface of the body, body.surface(), where a body lands on its corners or edges, or a finer mesh there"
+        )
+    return ""
 
 
 def _nodes(compiled: CompiledScene, b: int) -> IntArray:

@@ -4,18 +4,30 @@ from __future__ import annotations
 
 import math
 
+from lcpflex.contact.spatial.bounds import plane_vector
 from lcpflex.contact.spatial.entries import load_node
 from lcpflex.contact.spatial.faces.feet import find_foot, place_of
 from lcpflex.contact.spatial.faces.means import common_area, forget, gap_of_means, lay_means, weigh
 from lcpflex.contact.spatial.faces.memory import mean_of
-from lcpflex.contact.spatial.narrow_phase.sides import Frame, frame_of, seen_from, world_place
+from lcpflex.contact.spatial.kinds import PLANE, POINT
+from lcpflex.contact.spatial.narrow_phase.sides import Frame, frame_of, place_in, seen_from, world_place
 from lcpflex.contact.spatial.pairs import locate
 from lcpflex.contact.spatial.table import NODE_FACET, SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.kinematics.spatial.vectors import added, row_vector, scaled, turned, turned_back
+from lcpflex.kinematics.spatial.vectors import (
+    NOTHING,
+    added,
+    apart_from,
+    dot,
+    norm,
+    row_vector,
+    scaled,
+    turned,
+    turned_back,
+)
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["depth_below", "faces_touch"]
+__all__ = ["depth_below", "depth_of", "faces_touch"]
 
 LEAST = 1e-3  # of an area that must be common: what is less hangs on a sample at its rim, and would be no mean
 BESIDE = 2.0  # lengths of an area: how far above the margin one of its samples may be, if the mean is within it
@@ -108,3 +120,34 @@ def depth_below(model: SpatialModel, q: FloatArray, table: SpatialContactTable, 
         outward = turned_back(j.A, turned(of_node.A, row_vector(c.node_normal, node)))
     find_foot(model, q, radius, table, j, s, 0, place, outward)
     return radius - memory.gap[0] if memory.foot_on[0] >= 0 else 0.0
+
+
+@kernel
+def depth_of(model: SpatialModel, q: FloatArray, table: SpatialContactTable, s: int, b: int) -> float:
+    """How deep the deepest node of the elements of face s is below surface b [m], in a table of what is near; or 0.
+
+    b: a plane, a sphere, a hole, or what has facets.
+    """
+    c, memory = model.contacts, table.faces
+    memory.search += 1
+    i, j = frame_of(model.bodies, q, c.surface_body[s]), frame_of(model.bodies, q, c.surface_body[b])
+    first = c.feature_start[b]
+    deepest = 0.0
+    for sample in range(c.area_start[c.node_start[s]], c.area_start[c.node_start[s + 1]]):
+        own = c.area_sample[sample]
+        for k in range(c.sample_start[own], c.sample_start[own + 1]):
+            p = c.sample_point[k]
+            if memory.known[p] == memory.search:
+                continue
+            place = world_place(i, place_of(model, q, memory, i, p))
+            if c.feature_kind[first] == PLANE:
+                depth = dot(plane_vector(table, b, 0), apart_from(plane_vector(table, b, 3), place))
+            elif c.feature_kind[first] == POINT and c.feature_start[b + 1] == first + 1:
+                center = world_place(j, place_in(model.points, q, j, c.feature_point[first, 0]))
+                radius, away = c.feature_radius[first], norm(apart_from(place, center))
+                depth = radius - (away if radius >= 0.0 else -away)
+            else:
+                find_foot(model, q, 0.0, table, j, b, 0, seen_from(j, place), NOTHING)
+                depth = -memory.gap[0] if memory.foot_on[0] >= 0 else 0.0
+            deepest = max(deepest, depth)
+    return deepest
