@@ -1,7 +1,8 @@
 """What is below a face of a solid without being felt there: corners and balls smaller than what the face touches with.
 
 The nodes or areas of a face are what touches. A corner, or a ball, that comes down between them goes in until one of
-them feels it, or through. So the nodes of the other surface are looked at over the face, at some stored instants. And
+them feels it, or through. So the nodes and edges of the other surface are looked at over the face, at some stored
+instants. And
 an area at a corner or an edge of its own body, which lands on it, is far behind that: so are the nodes of the face.
 """
 
@@ -15,7 +16,8 @@ import numpy as np
 from lcpflex.bodies.spatial.surface import CODES, FACE, SpatialKind
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.contact.near import near
-from lcpflex.contact.spatial.faces.detection import depth_below, depth_of
+from lcpflex.contact.spatial.faces.detection import depth_along, depth_below, depth_of
+from lcpflex.contact.spatial.kinds import EDGE, SIDE
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.layout import is_spatial
@@ -26,6 +28,8 @@ __all__ = ["sunk_below_faces"]
 INSTANTS = 20  # looked at: that of the largest force, the last one, and some between
 DEEP = 0.05  # of the width of an area or of the way between nodes: resolved contacts are a tenth of that deep
 MOST_WORK = 20_000  # nodes at instants
+PLACES = 8  # of a line, about as many are looked at
+LINES = (EDGE, SIDE)
 ROUND_KINDS = (CODES[SpatialKind.SPHERE], CODES[SpatialKind.CAPSULE])
 
 
@@ -49,14 +53,16 @@ def _told(result: Result, compiled: CompiledScene, w: int) -> str:
     first = np.asarray(contacts.area_start)[contacts.node_start[s] : contacts.node_start[s + 1] + 1]
     wide = math.sqrt(max(share[i:j].sum() for i, j in pairwise(first)))
     model = pack(compiled.model)
+    lines, normals = _lines(compiled, b)
     worst, at = np.zeros(2), np.zeros(2, dtype=np.int64)  # of the nodes of the other surface, of those of the face
-    for record in _instants(result, law, len(nodes) + len(first)):
+    for record in _instants(result, law, len(nodes) + len(first) + PLACES * len(lines)):
         q = np.array(result.q[record])
         if not np.isfinite(q).all():
             continue
         table, _ = near(model, q, 0.0)
-        theirs = max((float(depth_below(model, q, table, s, int(node), b)) for node in nodes), default=0.0)
-        depth = np.array([theirs, float(depth_of(model, q, table, s, b))])
+        theirs = [depth_below(model, q, table, s, int(node), b) for node in nodes]
+        theirs += [depth_along(model, q, table, s, f, b, n, 0.5 * wide) for f, n in zip(lines, normals, strict=True)]
+        depth = np.array([max(theirs, default=0.0), depth_of(model, q, table, s, b)])
         depth -= 2.0 * max(0.0, -float(np.nan_to_num(result.gap[record, law])))
         at[depth > worst] = record
         worst = np.maximum(worst, depth)
@@ -84,6 +90,20 @@ def _nodes(compiled: CompiledScene, b: int) -> IntArray:
         return own
     radius: FloatArray = np.asarray(contacts.node_radius)[own]
     return np.asarray(own[radius == 0.0])
+
+
+def _lines(compiled: CompiledScene, b: int) -> tuple[list[int], FloatArray]:
+    """Edges, capsules and sides of cylinders of a surface, and the mean outward normals of their ends."""
+    contacts = compiled.model.contacts
+    own = np.arange(contacts.node_start[b], contacts.node_start[b + 1])
+    normal = dict(
+        zip(np.asarray(contacts.node_point)[own].tolist(), np.asarray(contacts.node_normal)[own], strict=True)
+    )
+    features = np.arange(contacts.feature_start[b], contacts.feature_start[b + 1])
+    lines = features[np.isin(np.asarray(contacts.feature_kind)[features], LINES)].tolist()
+    ends = np.asarray(contacts.feature_point)[lines, :2].reshape(-1, 2).tolist()
+    none = np.zeros(3)
+    return lines, np.array([normal.get(p, none) + normal.get(r, none) for p, r in ends]).reshape(-1, 3)
 
 
 def _instants(result: Result, law: int, nodes: int) -> list[int]:

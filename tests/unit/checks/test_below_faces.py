@@ -52,6 +52,7 @@ def test_what_no_node_feels_is_told(other: str, told: bool, points: str) -> None
 
 
 CORNER = Rotation.align_vectors([(0.0, 0.0, -1.0)], [(1.0, 1.0, 1.0)])[0]
+EDGE_ON_Y = Rotation.from_euler("y", 0.25 * np.pi)
 EDGE = Rotation.from_euler("x", 0.25 * np.pi)
 
 
@@ -93,3 +94,38 @@ def landed(floor: str, turn: Rotation, points: str) -> Any:
 def test_corners_of_a_face_that_no_area_feels_are_told(floor: str, turn: Rotation, points: str, told: bool) -> None:
     found = [warning for warning in landed(floor, turn, points).warnings if "a node of the face is" in warning]
     assert bool(found) == told, found
+
+
+@pytest.mark.filterwarnings("ignore::lcpflex.ModelWarning")
+@pytest.mark.parametrize(
+    ("other", "told"),
+    [("edge", True), ("rod", True), ("capsule", True), ("upright rod", False), ("table", False), ("thick rod", False)],
+)
+def test_edges_and_rods_that_no_node_feels_are_told(other: str, told: bool) -> None:
+    """A block falls on what is between two rows of its nodes, 25 mm apart, and longer than its face is wide."""
+    scene = lf.SpatialScene()
+    body = scene.add(block(), position=(0.0, 0.0, -0.0251), orientation=Rotation.from_euler("x", np.pi))
+    ground = scene.ground
+    made = {
+        "edge": lambda: ground.box((0.0125, 0.0, -0.0502 - 0.01 * 2**0.5), (0.02, 0.3, 0.02), EDGE_ON_Y),
+        "rod": lambda: ground.cylinder((0.0125, 0.0, -0.0542), (0.0, 1.0, 0.0), 0.004, 0.3),
+        "capsule": lambda: ground.capsule((0.0125, -0.2, -0.0542), (0.0125, 0.2, -0.0542), 0.004),
+        "upright rod": lambda: ground.cylinder((0.0, 0.0, -0.1502), (0.0, 0.0, 1.0), 0.04, 0.2),
+        "table": lambda: ground.box((0.0, 0.0, -0.0602), (0.3, 0.3, 0.02)),
+        "thick rod": lambda: ground.cylinder((0.0, 0.0, -1.0502), (0.0, 1.0, 0.0), 1.0, 0.3),
+    }
+    scene.contact(body.face("top"), made[other](), points="nodes")
+    result = lf.simulate(scene, 0.03, lf.MoreauJean(step=1e-4), record=1e-3)
+    found = [warning for warning in result.warnings if "below the face" in warning]
+    assert bool(found) == told, found
+
+
+@pytest.mark.filterwarnings("ignore::lcpflex.ModelWarning")
+def test_what_is_on_the_far_side_of_a_plate_is_not_below_its_face() -> None:
+    """Two plates that rest on each other, of which the tops are declared to touch, as those of a stack may come to."""
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    solid = lf.Solid.box((0.1, 0.1, 0.01), elements=(3, 3, 1), **STEEL)
+    low = scene.add(solid.reduce(0))
+    high = scene.add(solid.reduce(0), position=(0.001, 0.002, 0.01))
+    scene.contact(low.face("top"), high.face("top"))
+    assert not [w for w in lf.simulate(scene, 1e-3, lf.MoreauJean(step=1e-4)).warnings if " below the " in w]

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 
+from lcpflex.bodies.spatial.surface import FACE
 from lcpflex.contact.spatial.bounds import plane_vector
 from lcpflex.contact.spatial.entries import load_node
 from lcpflex.contact.spatial.faces.feet import find_foot, place_of
 from lcpflex.contact.spatial.faces.means import common_area, forget, gap_of_means, lay_means, weigh
 from lcpflex.contact.spatial.faces.memory import mean_of
-from lcpflex.contact.spatial.kinds import PLANE, POINT
+from lcpflex.contact.spatial.kinds import PLANE, POINT, SIDE
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, frame_of, place_in, seen_from, world_place
 from lcpflex.contact.spatial.pairs import locate
 from lcpflex.contact.spatial.table import NODE_FACET, SpatialContactTable
@@ -27,10 +28,11 @@ from lcpflex.kinematics.spatial.vectors import (
 )
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["depth_below", "depth_of", "faces_touch"]
+__all__ = ["depth_along", "depth_below", "depth_of", "faces_touch"]
 
 LEAST = 1e-3  # of an area that must be common: what is less hangs on a sample at its rim, and would be no mean
 BESIDE = 2.0  # lengths of an area: how far above the margin one of its samples may be, if the mean is within it
+MOST_PLACES = 64.0  # of a line that are looked at
 
 
 @kernel
@@ -126,18 +128,20 @@ def depth_below(model: SpatialModel, q: FloatArray, table: SpatialContactTable, 
 def depth_of(model: SpatialModel, q: FloatArray, table: SpatialContactTable, s: int, b: int) -> float:
     """How deep the deepest node of the elements of face s is below surface b [m], in a table of what is near; or 0.
 
-    b: a plane, a sphere, a hole, or what has facets.
+    b: a plane, a sphere, a hole, or what has facets. What is below an open face counts where it looks at that: a slot
+    around the body of it is behind it, too.
     """
     c, memory = model.contacts, table.faces
     memory.search += 1
     i, j = frame_of(model.bodies, q, c.surface_body[s]), frame_of(model.bodies, q, c.surface_body[b])
-    first = c.feature_start[b]
+    first, is_open = c.feature_start[b], c.surface_kind[b] == FACE
     deepest = 0.0
     for sample in range(c.area_start[c.node_start[s]], c.area_start[c.node_start[s + 1]]):
         own = c.area_sample[sample]
+        outward = turned_back(j.A, turned(i.A, row_vector(c.sample_normal, own))) if is_open else NOTHING
         for k in range(c.sample_start[own], c.sample_start[own + 1]):
             p = c.sample_point[k]
-            if memory.known[p] == memory.search:
+            if memory.known[p] == memory.search and not is_open:
                 continue
             place = world_place(i, place_of(model, q, memory, i, p))
             if c.feature_kind[first] == PLANE:
@@ -147,7 +151,40 @@ def depth_of(model: SpatialModel, q: FloatArray, table: SpatialContactTable, s: 
                 radius, away = c.feature_radius[first], norm(apart_from(place, center))
                 depth = radius - (away if radius >= 0.0 else -away)
             else:
-                find_foot(model, q, 0.0, table, j, b, 0, seen_from(j, place), NOTHING)
+                find_foot(model, q, 0.0, table, j, b, 0, seen_from(j, place), outward)
                 depth = -memory.gap[0] if memory.foot_on[0] >= 0 else 0.0
             deepest = max(deepest, depth)
+    return deepest
+
+
+@kernel
+def depth_along(
+    model: SpatialModel, q: FloatArray, table: SpatialContactTable, s: int, f: int, b: int, normal: FloatArray,
+    apart: float,
+) -> float:  # fmt: skip
+    """How deep a line of surface b is below face s [m], at places so far ``apart``; or 0.
+
+    f: an edge with the outward ``normal`` (3,) in the frame of its body, a capsule, or the side of a cylinder.
+    """
+    c, memory = model.contacts, table.faces
+    memory.search += 1
+    i, j = frame_of(model.bodies, q, c.surface_body[b]), frame_of(model.bodies, q, c.surface_body[s])
+    radius = c.feature_radius[f]
+    first = seen_from(j, world_place(i, place_of(model, q, memory, i, c.feature_point[f, 0])))
+    last = seen_from(j, world_place(i, place_of(model, q, memory, i, c.feature_point[f, 1])))
+    way = apart_from(last, first)
+    length = norm(way)
+    count = 1 + int(min(length / apart, MOST_PLACES))
+    outward = NOTHING
+    if radius == 0.0:
+        outward = turned_back(j.A, turned(i.A, (normal[0], normal[1], normal[2])))
+    deepest = 0.0
+    for k in range(count):
+        find_foot(model, q, radius, table, j, s, 0, added(first, scaled((k + 0.5) / count, way)), outward)
+        if memory.foot_on[0] >= 0:
+            low = radius
+            if c.feature_kind[f] == SIDE:
+                slope = dot(row_vector(memory.normal, 0), way) / length
+                low *= math.sqrt(max(0.0, 1.0 - slope * slope))
+            deepest = max(deepest, low - memory.gap[0])
     return deepest
