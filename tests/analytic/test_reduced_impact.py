@@ -174,3 +174,14 @@ def test_history_of_the_force_on_areas(reach: float) -> None:
     true = history(free(60), MASSLESS, "areas")
     assert error(true, reference()[0]) < 0.03
     assert error(history(free(modes), MASSLESS, "areas"), true) < bound
+
+
+@pytest.mark.slow
+def test_modes_beyond_a_region_need_the_static_ones_of_its_interface() -> None:
+    """Three layers of nodes around the contact: .24 without them, as published, .005 with fewer free modes."""
+    places = bar().finite_elements().places
+    near = (places[:, 2] < 6e-4) & (np.abs(places[:, :2]).max(axis=1) < 1.2e-3)
+    region = np.flatnonzero(near).tolist()
+    published = lf.sub_regional(bar(), region, 53, interface_modes=False)
+    assert error(history(published, TIME_STEPPING), reference()[0]) > 0.1
+    assert error(history(lf.sub_regional(bar(), region, 36), TIME_STEPPING), reference()[0]) < 0.01
