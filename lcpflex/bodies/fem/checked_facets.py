@@ -18,12 +18,13 @@ if TYPE_CHECKING:
 __all__ = ["check_facets"]
 
 BESIDE = 0.3  # of an edge: from its middle to the node amid it; on an arc of 120 degrees that is .29
+FLATTENED = 1e-6  # of the square of its longest edge: what is less at a corner is rounding of places to six digits
 OF_ELEMENT = 40  # nodes besides those of a facet: elements have 18, condensed matrices all, which tells no side
 INSIDE = 1e-6  # of the size of a facet: how far, on average, nodes of its element are in front of it by rounding
 
 
 def check_facets(faces: Mapping[str, IntArray], stiffness: csc_matrix[Any], places: FloatArray) -> None:
-    """Raise ModelError for facets (F, k) with nodes in another order, or clockwise seen from outside.
+    """Raise ModelError for facets (F, k) with nodes in another order, flattened, or clockwise seen from outside.
 
     Outside is where the element is not: nodes that share entries of the stiffness with all nodes of a facet are its.
     """
@@ -33,8 +34,26 @@ def check_facets(faces: Mapping[str, IntArray], stiffness: csc_matrix[Any], plac
     graph.data[:] = 1.0
     for name, facets in faces.items():
         corners = 3 if facets.shape[1] in (3, 6) else 4
+        _check_convex(name, facets, corners, places)
         _check_amid(name, facets, corners, places)
         _check_turn(name, facets, corners, places, graph)
+
+
+def _check_convex(name: str, facets: IntArray, corners: int, places: FloatArray) -> None:
+    """Corners go around: of crossed, concave and flattened facets the area is none of a surface."""
+    x = places[facets[:, :corners]]
+    ahead, back = np.roll(x, -1, axis=1) - x, np.roll(x, 1, axis=1) - x
+    turn = np.cross(ahead, back)
+    size = np.maximum((ahead**2).sum(axis=2), (back**2).sum(axis=2)).max(axis=1)
+    mean = turn.mean(axis=1)
+    normal = mean / np.maximum(np.linalg.norm(mean, axis=1), np.finfo(np.float64).tiny)[:, None]
+    wrong = np.flatnonzero(np.einsum("ikj,ij->ik", turn, normal).min(axis=1) <= FLATTENED * size)
+    if len(wrong):
+        raise ModelError(
+            f"faces[{name!r}]: facet {wrong[0]} has nodes {facets[wrong[0], :corners].tolist()} as corners, which are "
+            "crossed, on one line, or turn inwards at one of them, expected those of a convex facet, one after another "
+            "around it"
+        )
 
 
 def _check_amid(name: str, facets: IntArray, corners: int, places: FloatArray) -> None:

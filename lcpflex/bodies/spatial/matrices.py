@@ -57,7 +57,7 @@ class SpatialMatrices:
     ------
     ModelError
         For anything else: wrong shapes, NaN, unsymmetric matrices, a mass not positive, supports, unknown nodes,
-        facets that are clockwise seen from outside, or have the nodes amid their edges in another order.
+        facets that are clockwise seen from outside, not convex, or have the nodes amid their edges in another order.
 
     Warns
     -----

@@ -128,3 +128,22 @@ def test_files_of_results_know_kinds_by_codes_that_stay() -> None:
     assert (CODES[SpatialKind.POLYHEDRON], CODES[SpatialKind.PLANE]) == (5, 8)
     rank = {kind: RANKS[code] for kind, code in CODES.items()}
     assert rank[SpatialKind.RIM] < rank[SpatialKind.FACE] < rank[SpatialKind.POLYHEDRON] < rank[SpatialKind.MESH]
+
+
+@QUIET
+@pytest.mark.parametrize(
+    "corners",
+    [(0, 4, 1, 3), (0, 1, 3, 4), (0, 5, 6, 4), (0, 1, 2), (0, 1, 2, 8)],
+    ids=["crossed", "crossed otherwise", "concave", "on one line", "three on one line"],
+)
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_facets_whose_corners_do_not_go_around_are_refused(corners: tuple[int, ...], scale: float) -> None:
+    """Of nodes 0, 1, 2 along y, and 3 to 5, 6 to 8 above them; what the area of such a facet is nobody knows."""
+    mesh = lf.Solid.box((0.1 * scale,) * 3, elements=(2, 2, 2), **STEEL).finite_elements()
+    end = np.flatnonzero(mesh.places[:, 0] > 0.0499 * scale)
+    end = end[np.lexsort((mesh.places[end, 1], (mesh.places[end, 2] / scale).round(9)))]
+    good = [4, 5, 8] if len(corners) == 3 else [4, 5, 8, 7]
+    matrices = mesh.mass, mesh.stiffness, mesh.places
+    assert lf.SpatialMatrices(*matrices, faces={"end": [end[good]]}).faces
+    with pytest.raises(lf.ModelError, match=r"faces\['end'\]: facet 1 has nodes .* expected those of a convex facet"):
+        lf.SpatialMatrices(*matrices, faces={"end": [end[good], end[list(corners)]]})
