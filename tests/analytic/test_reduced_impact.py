@@ -48,7 +48,7 @@ def lines(quarter: bool) -> list[FloatArray]:
 
 @cache
 def bar(quarter: bool = False) -> lf.Solid:
-    """Its face "contact" is a square of 25 nodes, 13 of which close."""
+    """Its face "contact" is a square of 25 nodes, of which all but the corners close."""
 
     def below(x: Any, y: Any, z: Any) -> Any:
         return (z < 1e-9) & (np.maximum(abs(x), abs(y)) < 2.1 * FINE)
