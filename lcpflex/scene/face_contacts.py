@@ -19,7 +19,15 @@ if TYPE_CHECKING:
     from lcpflex.scene.declared import DeclaredContact
     from lcpflex.scene.placed_surface import PlacedSurface
 
-__all__ = ["check_apart", "check_once", "coarse_node_sides", "finer_of", "is_face", "later_choices", "touching_points"]
+__all__ = [
+    "check_apart",
+    "check_once",
+    "doubtful_node_sides",
+    "finer_of",
+    "is_face",
+    "later_choices",
+    "touching_points",
+]
 
 WHOLE = ".surface"  # what labels of whole surfaces end with
 POINTS = ("areas", "nodes")
@@ -41,10 +49,15 @@ def finer_of(a: PlacedSurface, b: PlacedSurface) -> PlacedSurface:
 
 def _mean_area(shape: Any) -> float:
     """Of the sub-faces of a face [m^2]."""
+    return _area(shape) / sum(SUBFACES[len(cell)] for cell in shape.cells)
+
+
+def _area(shape: Any) -> float:
+    """Of a face [m^2]."""
     places = np.array([point.place for point in shape.points])
     corners = places[shape.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return float(0.5 * np.linalg.norm(normals, axis=1).sum() / sum(SUBFACES[len(cell)] for cell in shape.cells))
+    return float(0.5 * np.linalg.norm(normals, axis=1).sum())
 
 
 def touching_points(a: PlacedSurface, b: PlacedSurface, node_side: PlacedSurface | None, points: Any) -> str:
@@ -72,8 +85,8 @@ def touching_points(a: PlacedSurface, b: PlacedSurface, node_side: PlacedSurface
     return chosen or ("nodes" if simple else "areas")
 
 
-def coarse_node_sides(contacts: Mapping[str, DeclaredContact]) -> Iterator[str]:
-    """A warning for each contact of two faces in which the coarser one touches the other."""
+def doubtful_node_sides(contacts: Mapping[str, DeclaredContact]) -> Iterator[str]:
+    """A warning for each contact of two faces that the coarser one touches, or the larger one with its nodes."""
     for name, contact in contacts.items():
         if all(is_face(one) for one in contact.pair) and contact.node_side is not None:
             own = contact.node_side
@@ -84,6 +97,12 @@ def coarse_node_sides(contacts: Mapping[str, DeclaredContact]) -> Iterator[str]:
                     f"contact {name!r}: node_side {own.label!r} is the coarser face, with sub-faces of {coarse:.3g} "
                     f"m^2 on those of {fine:.3g} m^2 of {other.label!r}: pressures come out several times less "
                     "accurate than with the finer face as node_side, which is the default"
+                )
+            if contact.points == "nodes" and _area(own.shape) > _area(other.shape) * (1.0 + EQUAL):
+                yield (
+                    f"contact {name!r}: the nodes of {own.label!r} touch {other.label!r}, which is smaller: what of it "
+                    "is between a node on it and one beside it is not felt; expected points='areas', which share it, "
+                    "or the smaller face as node_side"
                 )
 
 

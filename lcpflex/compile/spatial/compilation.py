@@ -27,7 +27,7 @@ from lcpflex.model.arrays import frozen
 from lcpflex.model.recovery import MeshShapes
 from lcpflex.model.spatial import SpatialModel
 from lcpflex.scene.contact_rules import by_rules
-from lcpflex.scene.face_contacts import coarse_node_sides
+from lcpflex.scene.face_contacts import doubtful_node_sides
 from lcpflex.scene.left_out import pairs_left_out
 from lcpflex.scene.spatial.scene import SpatialParts
 
@@ -115,7 +115,7 @@ def compiled_spatial_scene(
         tuple(contact.law for contact in declared.values()),
         assembly.signals.functions,
         materials,
-        warnings=(*misfits, *left_out.warnings, *coarse_node_sides(declared), *missing_compliance(parts, touched)),
+        warnings=(*misfits, *left_out.warnings, *doubtful_node_sides(declared), *missing_compliance(parts, touched)),
         notes=(*left_out.notes, *notes, *(f"residual modes for {text}" for text in said)),
         recovery=tuple(body.recovery for body in parts.bodies),
         spread={

@@ -218,3 +218,18 @@ def test_a_face_lands_on_the_ground() -> None:
     weight = block.source.mass * 9.81
     assert result.contact(name).normal_force[-1].sum() == pytest.approx(weight, rel=1e-6)
     assert np.abs(result.q[-1][:3] - [0.0, 0.0, 0.025]).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("points", "larger", "told"), [("nodes", True, True), ("areas", True, False), ("nodes", False, False)]
+)
+def test_nodes_of_a_larger_face_are_told(points: str, larger: bool, told: bool) -> None:
+    """Those at its rim are beside the other one, even if it is larger by a thousandth."""
+    scene = lf.SpatialScene()
+    bodies = []
+    for k, width in enumerate((0.1, 0.1001)):
+        solid = lf.Solid.box((width, width, 0.05), elements=(2, 2, 1), **STEEL)
+        bodies.append(scene.add(solid.reduce(0), position=(0.0, 0.0, 0.06 * k)))
+    low, high = bodies[0].face("top"), bodies[1].face("bottom")
+    scene.contact(low, high, points=points, node_side=high if larger else low)
+    assert any("which is smaller" in text for text in scene.compiled().warnings) is told
