@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import resource
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,18 +14,10 @@ from lcpflex.basics.whole_file import whole_file
 from lcpflex.cli.reading import save_figure
 from lcpflex.solvers.benchmark.fclib import save_fclib
 from lcpflex.solvers.benchmark.files import save_problems
+from tests.full_disk import full_disk
 from tests.scenes import disc_on_floor
 
-
-@contextmanager
-def full_disk() -> Iterator[None]:
-    """No file may become larger than 1 kB: what is beyond fails as on a full disk."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+SMALL = 1000  # bytes
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +54,7 @@ def test_a_full_disk_leaves_nothing_half(name: str, result: lf.Result, tmp_path:
     for before in (None, b"older"):
         if before is not None:
             path.write_bytes(before)
-        with full_disk(), pytest.raises(lf.ModelError, match=r"^path: cannot write"):
+        with full_disk(SMALL), pytest.raises(lf.ModelError, match=r"^path: cannot write"):
             WRITERS[name](result, path)
         assert [entry.name for entry in tmp_path.iterdir()] == ([] if before is None else [name])
         assert before is None or path.read_bytes() == before

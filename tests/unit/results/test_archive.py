@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import resource
 import sys
 import zipfile
 from dataclasses import fields, is_dataclass, replace
@@ -24,6 +23,7 @@ from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.results.archive import SIGNATURE
 from lcpflex.results.energy_balance import Energies
 from lcpflex.results.result import Result
+from tests.full_disk import full_disk
 
 without_h5py = pytest.mark.skipif(find_spec("h5py") is None, reason="needs h5py")
 
@@ -211,13 +211,8 @@ def test_full_disk_leaves_the_older_file_and_nothing_else(swing: Result, tmp_pat
     """The system refuses to write beyond 4 kB, as a full disk would."""
     path = tmp_path / "result.npz"
     path.write_bytes(b"old")
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, hard))
-    try:
-        with pytest.raises(ModelError, match="cannot write"):
-            swing.save(path)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    with full_disk(4096), pytest.raises(ModelError, match="cannot write"):
+        swing.save(path)
     assert path.read_bytes() == b"old"
     assert [p.name for p in tmp_path.iterdir()] == ["result.npz"]
 
