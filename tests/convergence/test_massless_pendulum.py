@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 import pytest
-from skfem import MeshHex
 
 import lcpflex as lf
 from lcpflex.runs.setup import Stepper
+from tests import libs
 from tests.rates import assert_rate
 
 pytestmark = pytest.mark.slow
@@ -83,7 +83,7 @@ def test_pendulum_of_a_long_rod() -> None:
     Data: Shi, Hong & Liu 2013, with a Poisson's ratio and a radius, which are not printed, of 0.33 and 20 mm.
     """
     long, place = 0.7, 0.28
-    mesh = MeshHex.init_tensor(
+    mesh = libs.skfem.MeshHex.init_tensor(
         graded(place, -0.35, 0.35, 1.5e-4), graded(0.0, -0.014, 0.014, 1.5e-4), graded(-2.5e-3, -2.5e-3, 2.5e-3, 1.5e-4)
     )
     x, y, z = mesh.p

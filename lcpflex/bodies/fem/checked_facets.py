@@ -34,8 +34,8 @@ def check_facets(faces: Mapping[str, IntArray], stiffness: csc_matrix[Any], plac
     graph.data[:] = 1.0
     for name, facets in faces.items():
         corners = 3 if facets.shape[1] in (3, 6) else 4
-        _check_convex(name, facets, corners, places)
         _check_amid(name, facets, corners, places)
+        _check_convex(name, facets, corners, places)
         _check_turn(name, facets, corners, places, graph)
 
 
