@@ -163,7 +163,7 @@ def _held(ways: list[Way], omega2: FloatArray, static: IntArray) -> FloatArray:
     """(n, k) what unit forces and moments of joints and springs do on the modes of a body, where static ones matter."""
     kept = []
     for angular in (False, True):
-        some = [way[-len(omega2) :] for way, is_angular in ways if is_angular == angular]
+        some = [way[len(way) - len(omega2) :] for way, is_angular in ways if is_angular == angular]
         columns = np.array(some).reshape(len(some), len(omega2)).T
         energy = columns**2 / omega2[:, None]
         whole, part = energy.sum(axis=0), energy[static].sum(axis=0)
