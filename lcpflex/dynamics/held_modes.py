@@ -215,7 +215,7 @@ def _spring_ways(model: Model, b: int, omega2: FloatArray, static: IntArray) -> 
         for point in ends:
             if model.points.body[point] == b:
                 for way, angular in ways_of_point(model.points, point, [kind], point == ends[1]):
-                    if value[0] * float(np.sum(way[-len(omega2) :][static] ** 2 / omega2[static])) > SOFT:
+                    if value[0] * float(np.sum(way[len(way) - len(omega2) :][static] ** 2 / omega2[static])) > SOFT:
                         found.append((way, angular))
     return found
 
