@@ -14,7 +14,7 @@ from lcpflex.kinematics.spatial.rotations import Vector, cross, rotation_matrix
 from lcpflex.kinematics.spatial.vectors import dot, norm, scaled, turned
 from lcpflex.model.spatial import N_PLACE, SpatialModel
 
-__all__ = ["above_plane", "bound", "is_plane", "near_surfaces", "plane_vector", "set_over_plane"]
+__all__ = ["above_plane", "bound", "is_beside_box", "is_plane", "near_surfaces", "plane_vector", "set_over_plane"]
 
 
 @kernel
@@ -104,3 +104,18 @@ def near_surfaces(
         dx, dy, dz = at[a, 0] - at[b, 0], at[a, 1] - at[b, 1], at[a, 2] - at[b, 2]
         return not dx * dx + dy * dy + dz * dz > reach * reach
     return not is_plane(model, b) or not above_plane(table, a, b) > reach
+
+
+@kernel(inline=True)
+def is_beside_box(model: SpatialModel, box: int, start: Vector, end: Vector, near: float) -> bool:
+    """Whether a line from ``start`` to ``end``, or a place, both being that, is farther than ``near`` from a box [m].
+
+    As far as its sides tell; all in the frame of the body that has the box.
+    """
+    sides = model.contacts.box
+    beside = False
+    for k in range(3):
+        low, high = min(start[k], end[k]), max(start[k], end[k])
+        if high < sides[box, k] - near or low > sides[box, 3 + k] + near:
+            beside = True
+    return beside

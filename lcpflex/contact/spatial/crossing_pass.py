@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from lcpflex.contact.spatial.bounds import is_beside_box
 from lcpflex.contact.spatial.edge_pass import Wedge, in_wedge, out_by_its_end, seen_in, sense_of, wedge_of
 from lcpflex.contact.spatial.entries import load_edges
 from lcpflex.contact.spatial.kinds import EDGE
@@ -92,12 +93,7 @@ def crossings_of_edge(
     wedge = Wedge(start, line, NOTHING, NOTHING, NOTHING, NOTHING)
     box = c.box_start[b]
     while box < c.box_start[b + 1]:
-        apart = False
-        for k in range(3):
-            low, high = min(start[k], end[k]), max(start[k], end[k])
-            if high < c.box[box, k] - near or low > c.box[box, 3 + k] + near:
-                apart = True
-        if apart:
+        if is_beside_box(model, box, start, end, near):
             box = c.box_skip[box]
             continue
         for at in range(c.box_leaf[box, 0], c.box_leaf[box, 1]):

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from lcpflex.contact.spatial.bounds import is_beside_box
 from lcpflex.contact.spatial.entries import load_edges
 from lcpflex.contact.spatial.kinds import EDGE
 from lcpflex.contact.spatial.narrow_phase.edges import END, TILT, crossing_of, edges_cross
@@ -148,12 +149,7 @@ def edge_on_edges(
     end = added(wedge.start, wedge.e)
     box = c.box_start[b]
     while box < c.box_start[b + 1]:
-        apart = False
-        for k in range(3):
-            low, high = min(wedge.start[k], end[k]), max(wedge.start[k], end[k])
-            if high < c.box[box, k] - near or low > c.box[box, 3 + k] + near:
-                apart = True
-        if apart:
+        if is_beside_box(model, box, wedge.start, end, near):
             box = c.box_skip[box]
             continue
         for at in range(c.box_leaf[box, 0], c.box_leaf[box, 1]):

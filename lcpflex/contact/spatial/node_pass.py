@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.bodies.spatial.surface import ALL_FEATURES, CORNERS, NO_POINTS
+from lcpflex.contact.spatial.bounds import is_beside_box
 from lcpflex.contact.spatial.entries import load_node
 from lcpflex.contact.spatial.kinds import EDGE, FACET, POINT
 from lcpflex.contact.spatial.mesh_pairs import BLUNT, DEEP, TURNED, are_meshes, band_between, deforms
@@ -131,11 +132,7 @@ def collect(
     near = highest + table.bound[b, 3] + max(thin, band)
     box = c.box_start[b]
     while box < c.box_start[b + 1]:
-        apart = False
-        for k in range(3):
-            if place[k] < c.box[box, k] - near or place[k] > c.box[box, 3 + k] + near:
-                apart = True
-        if apart:
+        if is_beside_box(model, box, place, place, near):
             box = c.box_skip[box]
             continue
         for at in range(c.box_leaf[box, 0], c.box_leaf[box, 1]):

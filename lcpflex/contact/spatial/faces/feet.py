@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from lcpflex.contact.spatial.bounds import is_beside_box
 from lcpflex.contact.spatial.faces.memory import FaceMemory
 from lcpflex.contact.spatial.faces.shapes import is_inside, lay_bends, lay_shapes, middle
 from lcpflex.contact.spatial.kinds import FACET
@@ -21,7 +22,7 @@ from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import NOTHING, apart_from, dot, is_zero, norm, row_vector, scaled
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["cell_point", "cell_size", "find_foot", "place_of"]
+__all__ = ["cell_point", "cell_size", "find_foot", "parts_along", "place_of"]
 
 STEPS = 12  # of Gauss-Newton: it gains two digits each where a gap is a hundredth of the radius of a face
 SETTLED = 1e-13  # change of the coordinates that ends it
@@ -103,6 +104,14 @@ def tangents(memory: FaceMemory, nodes: int) -> tuple[Vector, Vector]:
 
 
 @kernel
+def parts_along(d: Vector, e: Vector, f: Vector) -> tuple[float, float, float]:
+    """Coefficients of the projection of d on the plane of e and f, by these, times |e x f|^2; and that."""
+    ee, ef, ff = dot(e, e), dot(e, f), dot(f, f)
+    a, b = dot(e, d), dot(f, d)
+    return ff * a - ef * b, ee * b - ef * a, ee * ff - ef * ef
+
+
+@kernel
 def bent_along(memory: FaceMemory, nodes: int, x: float, y: float, n: Vector) -> Vector:
     """n.r_,11, n.r_,12 and n.r_,22 of the face laid last [m]."""
     if nodes == 3:
@@ -124,13 +133,10 @@ def project(memory: FaceMemory, nodes: int, place: Vector) -> Foot:
     for _ in range(STEPS):
         lay_shapes(nodes, x, y, memory.shape)
         e, f = tangents(memory, nodes)
-        d = apart_from(place, combined(memory, nodes, 0))
-        ee, ef, ff = dot(e, e), dot(e, f), dot(f, f)
-        area = ee * ff - ef * ef
+        dx, dy, area = parts_along(apart_from(place, combined(memory, nodes, 0)), e, f)
         if not area > 0.0:
             return NOWHERE
-        a, b = dot(e, d), dot(f, d)
-        dx, dy = (ff * a - ef * b) / area, (ee * b - ef * a) / area
+        dx, dy = dx / area, dy / area
         x, y = x + dx, y + dy
         if abs(x) + abs(y) > 10.0:
             return NOWHERE
@@ -181,10 +187,7 @@ def is_over(model: SpatialModel, q: FloatArray, memory: FaceMemory, frame: Frame
     a = place_of(model, q, memory, frame, point[f, 0])
     e = apart_from(place_of(model, q, memory, frame, point[f, 1]), a)
     g = apart_from(place_of(model, q, memory, frame, point[f, 2]), a)
-    d = apart_from(place, a)
-    ee, eg, gg = dot(e, e), dot(e, g), dot(g, g)
-    area = ee * gg - eg * eg
-    x, y = gg * dot(e, d) - eg * dot(g, d), ee * dot(g, d) - eg * dot(e, d)
+    x, y, area = parts_along(apart_from(place, a), e, g)
     slack = BESIDE * area
     return x >= -slack and y >= -slack and x + y <= area + slack
 
@@ -213,11 +216,7 @@ def find_foot(
     least, last = math.inf, -2
     box = c.box_start[b]
     while box < c.box_start[b + 1]:
-        apart = False
-        for k in range(3):
-            if place[k] < c.box[box, k] - near or place[k] > c.box[box, 3 + k] + near:
-                apart = True
-        if apart:
+        if is_beside_box(model, box, place, place, near):
             box = c.box_skip[box]
             continue
         for at in range(c.box_leaf[box, 0], c.box_leaf[box, 1]):

@@ -16,12 +16,13 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.spatial.faces.feet import cell_point, cell_size
+from lcpflex.contact.spatial.faces.feet import cell_point, cell_size, parts_along
 from lcpflex.contact.spatial.faces.memory import FaceMemory, begin_mean, mean_of
+from lcpflex.contact.spatial.narrow_phase.point import axis, farthest_axis
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, seen_from, world_place
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
-from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, row_vector, scaled
+from lcpflex.kinematics.spatial.vectors import IDENTITY, added, apart_from, dot, norm, row_vector, scaled
 from lcpflex.model.spatial import N_RIGID, SpatialModel
 
 __all__ = ["common_area", "forget", "gap_of_means", "lay_means", "weigh"]
@@ -73,9 +74,8 @@ def directions(model: SpatialModel, memory: FaceMemory, node: int) -> tuple[Vect
         if memory.foot_on[s] >= 0:
             n = added(n, scaled(c.area_share[at], row_vector(memory.normal, s)))
     n = scaled(1.0 / norm(n), n)
-    x, y, z = abs(n[0]), abs(n[1]), abs(n[2])
-    axis = (1.0, 0.0, 0.0) if x <= y and x <= z else ((0.0, 1.0, 0.0) if y <= z else (0.0, 0.0, 1.0))
-    d = apart_from(axis, scaled(dot(n, axis), n))
+    along = axis(IDENTITY, farthest_axis(IDENTITY, n, -1))
+    d = apart_from(along, scaled(dot(n, along), n))
     d = scaled(1.0 / norm(d), d)
     return d, cross(n, d)
 
@@ -83,10 +83,8 @@ def directions(model: SpatialModel, memory: FaceMemory, node: int) -> tuple[Vect
 @kernel
 def part_of(a: Vector, e: Vector, f: Vector) -> tuple[float, float]:
     """Coefficients of the projection of a on the plane of e and f, by these."""
-    ee, ef, ff = dot(e, e), dot(e, f), dot(f, f)
-    area = ee * ff - ef * ef
-    along_e, along_f = dot(a, e), dot(a, f)
-    return (ff * along_e - ef * along_f) / area, (ee * along_f - ef * along_e) / area
+    x, y, area = parts_along(a, e, f)
+    return x / area, y / area
 
 
 @kernel

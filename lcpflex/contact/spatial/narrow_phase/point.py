@@ -18,7 +18,7 @@ from lcpflex.kinematics.spatial.rotations import Matrix, Vector, cross
 from lcpflex.kinematics.spatial.vectors import NOTHING, apart_from, dot, norm, scaled, turned, turned_back
 from lcpflex.model.spatial import SpatialPoints
 
-__all__ = ["point_turning", "refresh_point"]
+__all__ = ["axis", "farthest_axis", "point_turning", "refresh_point"]
 
 CLOSE = 0.95  # of n.c: such an axis is too close to the normal to be projected; the farthest has 0.58 at most
 
