@@ -2,8 +2,8 @@
 
 The nodes or areas of a face are what touches. A corner, or a ball, that comes down between them goes in until one of
 them feels it, or through. So the nodes and edges of the other surface are looked at over the face, at some stored
-instants. And
-an area at a corner or an edge of its own body, which lands on it, is far behind that: so are the nodes of the face.
+instants. An area at a corner or an edge of its own body, which lands on it, is far behind that: so the nodes of the
+face are looked at as well.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 from lcpflex.bodies.spatial.surface import CODES, FACE, SpatialKind
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.contact.near import near
+from lcpflex.contact.spatial.bounds import bound
 from lcpflex.contact.spatial.faces.detection import depth_along, depth_below, depth_of
 from lcpflex.contact.spatial.kinds import EDGE, SIDE
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -54,12 +55,13 @@ def _told(result: Result, compiled: CompiledScene, w: int) -> str:
     wide = math.sqrt(max(share[i:j].sum() for i, j in pairwise(first)))
     model = pack(compiled.model)
     lines, normals = _lines(compiled, b)
+    table, _ = near(model, np.array(compiled.q), 0.0)
     worst, at = np.zeros(2), np.zeros(2, dtype=np.int64)  # of the nodes of the other surface, of those of the face
     for record in _instants(result, law, len(nodes) + len(first) + PLACES * len(lines)):
         q = np.array(result.q[record])
         if not np.isfinite(q).all():
             continue
-        table, _ = near(model, q, 0.0)
+        bound(model, q, table)
         theirs = [depth_below(model, q, table, s, int(node), b) for node in nodes]
         theirs += [depth_along(model, q, table, s, f, b, n, 0.5 * wide) for f, n in zip(lines, normals, strict=True)]
         depth = np.array([max(theirs, default=0.0), depth_of(model, q, table, s, b)])

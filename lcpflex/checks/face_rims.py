@@ -6,13 +6,13 @@ rim that is an edge of the body is none of these.
 
 from __future__ import annotations
 
-from collections import defaultdict
 from typing import Any
 
 import numpy as np
 
 from lcpflex.bodies.spatial.surface import FACE
 from lcpflex.compile.compiled_scene import CompiledScene
+from lcpflex.compile.spatial.mesh_features import facet_normals, sides_of
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.kinematics.spatial.rotations import rotation_matrix
 from lcpflex.model.layout import is_spatial
@@ -80,27 +80,15 @@ def cut_vertices(places: FloatArray, own: IntArray, surface: FloatArray, whole: 
     keys = {tuple(key): k for k, key in enumerate(np.round(places / size, DIGITS).tolist())}
     number = np.array([keys.get(tuple(key), -1) for key in np.round(surface / size, DIGITS).tolist()])
     known = number[whole]  # corners of the whole surface that are vertices of the face
-    of_edge: dict[tuple[int, int], list[FloatArray]] = defaultdict(list)
-    for corners in own.tolist():
-        for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
-            of_edge[min(a, b), max(a, b)].append(_normal(places[corners]))
+    sides, mine, theirs = sides_of(own), facet_normals(places, own), facet_normals(surface, whole)
+    of_face = {frozenset(corners) for corners in own.tolist()}
     cut = np.zeros(len(places), dtype=bool)
-    near = (known >= 0).sum(axis=1) >= 2
-    for triangle, corners in zip(whole[near].tolist(), known[near].tolist(), strict=True):
+    for facet in np.flatnonzero((known >= 0).sum(axis=1) >= 2).tolist():
+        corners = known[facet].tolist()
+        if frozenset(corners) in of_face:
+            continue
         for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
-            mine = of_edge.get((min(a, b), max(a, b)), [])
-            if min(a, b) >= 0 and len(mine) == 1:
-                turned = float(mine[0] @ _normal(surface[triangle]))
-                inside = min(corners) >= 0 and _is_of_face(corners, own)
-                if turned > np.cos(BENT) and not inside:
-                    cut[[a, b]] = True
+            beside = sides.get((min(a, b), max(a, b)), [])
+            if len(beside) == 1 and mine[beside[0][0]] @ theirs[facet] > np.cos(BENT):
+                cut[[a, b]] = True
     return cut
-
-
-def _is_of_face(corners: list[int], own: IntArray) -> bool:
-    return bool((np.isin(own, corners).sum(axis=1) == 3).any())
-
-
-def _normal(places: FloatArray) -> FloatArray:
-    n = np.cross(places[1] - places[0], places[2] - places[0])
-    return np.asarray(n / np.linalg.norm(n))

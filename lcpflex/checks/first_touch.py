@@ -21,7 +21,7 @@ from lcpflex.contact.rows import contact_point
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.configuration import advance
-from lcpflex.model.layout import dimension, is_spatial
+from lcpflex.model.layout import dimension
 
 __all__ = ["AT_ONCE", "Touch", "answer_times", "first_touches", "half_period", "is_flat"]
 
@@ -147,18 +147,9 @@ def _entries(model: Any, q: FloatArray, u: FloatArray, fall: FloatArray, size: f
         row = normal_row(model, q, table, k)
         bodies = int(table.body[k, 0]), int(table.body[k, 1])
         time = _closing(max(float(table.gap[k]) - CLOSED * size, 0.0), -float(row @ u), -float(row @ fall))
-        found.append(_Entry(int(table.law[k]), (min(bodies), max(bodies)), time, _place(model, q, table, k)))
+        place = np.array(contact_point(model, q, table, k))
+        found.append(_Entry(int(table.law[k]), (min(bodies), max(bodies)), time, place))
     return found
-
-
-def _place(model: Any, q: FloatArray, table: Any, k: int) -> FloatArray:
-    """Where entry k touches [m]."""
-    place: Any = contact_point
-    if is_spatial(model):
-        from lcpflex.contact.spatial import pairs  # which planar runs do without
-
-        place = pairs.contact_point
-    return np.array(place(model, q, table, k))
 
 
 def _closing(gap: float, rate: float, growth: float) -> float:

@@ -33,7 +33,6 @@ WHOLE = ".surface"  # what labels of whole surfaces end with
 POINTS = ("areas", "nodes")
 EQUAL = 1e-6  # of the area of a sub-face: rounding
 COARSER = 1.25  # of the areas: with 10 elements an edge on 9 (1.23) stress is as good either way, with 4 on 3 it is not
-SUBFACES = {3: 1, 4: 1, 6: 4, 8: 1, 9: 4}  # of a facet, by its nodes: each is shared by the areas of its corners
 SIMPLE = ("PLANE", "SPHERE", "HOLE", "CYLINDER", "CAPSULE")  # kinds that nodes of linear facets follow exactly
 
 
@@ -49,7 +48,9 @@ def finer_of(a: PlacedSurface, b: PlacedSurface) -> PlacedSurface:
 
 def _mean_area(shape: Any) -> float:
     """Of the sub-faces of a face [m^2]."""
-    return _area(shape) / sum(SUBFACES[len(cell)] for cell in shape.cells)
+    from lcpflex.bodies.fem.faces import HAT_PARTS  # which scenes without faces do without
+
+    return _area(shape) / sum(len(HAT_PARTS[len(cell)]) for cell in shape.cells)
 
 
 def _area(shape: Any) -> float:

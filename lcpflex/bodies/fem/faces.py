@@ -20,7 +20,7 @@ from lcpflex.bodies.fem.user_sets import user_sets
 from lcpflex.errors import ModelError, ModelWarning
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["SURFACE", "Faces", "areas_of", "even_parts", "faces_of", "flat_facets", "split_facets"]
+__all__ = ["HAT_PARTS", "SURFACE", "Faces", "areas_of", "even_parts", "faces_of", "flat_facets", "split_facets"]
 
 SURFACE = "surface"  # the name of all of it
 OPPOSITE = -0.999  # cosine of the normals of faces that lie on each other
@@ -200,6 +200,8 @@ _PARTS = {  # by the number of nodes of a facet
     8: np.array([[0, 4, 7], [4, 1, 5], [5, 2, 6], [6, 3, 7], [4, 5, 6], [4, 6, 7]]),
     9: np.array([[0, 4, 8, 7], [4, 1, 5, 8], [8, 5, 2, 6], [7, 8, 6, 3]]),
 }
+# those on which hats stand, one about each corner: a facet of eight nodes, whose parts have no positive shares, is one
+HAT_PARTS = {**_PARTS, 8: np.array([[0, 1, 2, 3]])}
 _EIGHT_EVENLY = np.concatenate([_PARTS[8], _PARTS[8][:4], [[5, 6, 7], [5, 7, 4]]])
 
 

@@ -165,18 +165,16 @@ class SpatialBeam:
             one_of("clamped", clamped, ("left", "right"))
         stiff = beam_stiffening(line, self._section(), stiffening, clamped)
         mesh = self._elastic() if stiff is None else stiff.loaded(self._elastic())
-        held = None
-        if clamped is not None:
-            node = 0 if clamped == "left" else self.elements
-            held = DOFS * node + np.arange(DOFS)
+        node = 0 if clamped == "left" else self.elements
+        held = None if clamped is None else DOFS * node + np.arange(DOFS)
         most = elastic_count(mesh, held)
         n = damped_modes(modes, most, damping, residual_damping)
         places = [one if isinstance(one, Interface) else _place(self, one) for one in _listed(interfaces)]
         find = partial(_found, self, line)
         loads = interface_columns(find, len(mesh.rank), places)
         found, n = loaded_basis(mesh, loads, n, held)
-        touched = min(contact_columns(find, len(mesh.rank), places), len(found[0]) - n)
-        residual = Residual(len(found[0]) - n, touched, residual_damping)
+        more = len(found[0]) - n
+        residual = Residual(more, min(contact_columns(find, len(mesh.rank), places), more), residual_damping)
         basis = _by_strain(self._strains(line), found)
         return flexible_body(
             mesh, basis if stiff is None else stiff.modes(basis), damping, residual, second_order,

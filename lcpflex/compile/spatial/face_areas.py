@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.basics import libs
+from lcpflex.bodies.fem.faces import HAT_PARTS
 from lcpflex.bodies.spatial.body import SpatialPoint
 from lcpflex.bodies.spatial.surface import SpatialSurface
 from lcpflex.contact.spatial.faces.shapes import lay_shapes
@@ -34,13 +35,6 @@ NODES, AREAS = "nodes", "areas"
 ORDER = {3: 5, 4: 9}
 LINEAR = (3, 4)  # nodes of faces on which the force on a node is shared out over the hat about it
 CORNERS = {3: [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)], 4: [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]}
-PARTS = {  # nodes of the linear parts, by the number of nodes of a face
-    3: [[0, 1, 2]],
-    4: [[0, 1, 2, 3]],
-    6: [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
-    8: [[0, 1, 2, 3]],
-    9: [[0, 4, 8, 7], [4, 1, 5, 8], [8, 5, 2, 6], [7, 8, 6, 3]],
-}
 
 
 class Reference(NamedTuple):
@@ -99,7 +93,7 @@ def _reference(nodes: int) -> Reference:
     """The samples of a face of so many nodes."""
     places = _places(nodes)
     found = []
-    for part in PARTS[nodes]:
+    for part in HAT_PARTS[nodes]:
         corners = len(part)
         element = libs.skfem.MeshTri if corners == 3 else libs.skfem.MeshQuad
         at, weights = libs.skfem.quadrature.get_quadrature(element.elem, ORDER[corners])
@@ -171,7 +165,7 @@ def _areas(surface: SpatialSurface) -> FaceParts:
         _spread(found.places[s] - point.place, normal, c)
         for s, c, point, normal in zip(samples, shares, points, normals, strict=True)
     ])  # fmt: skip
-    pressed = np.array([float(c.sum()) for c in shares])
+    pressed = np.array([sum(c.tolist()) for c in shares])  # one after the other, as what is common is: all of it is all
     return FaceParts(points, pressed, spread, normals, samples, shares, found.nodes, found.weights, found.outward)
 
 

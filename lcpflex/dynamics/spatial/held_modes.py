@@ -14,7 +14,7 @@ from lcpflex.kinematics.spatial.rotations import axes_at, compose, exponential, 
 from lcpflex.model.coordinates import ALONG, ANGULAR, PERPENDICULAR
 from lcpflex.model.spatial import N_RIGID, SpatialBodies, SpatialModel, SpatialPoints
 
-__all__ = ["joint_ways", "mass_at_rest", "move_frame", "ways_of_point"]
+__all__ = ["joint_ways", "mass_at_rest", "motions_of", "move_frame", "ways_of_point"]
 
 
 def move_frame(bodies: SpatialBodies, frame: FloatArray, sign: float, T: FloatArray, modal: FloatArray) -> None:
@@ -42,7 +42,7 @@ def joint_ways(model: SpatialModel, q: FloatArray, b: int) -> list[Way]:
             if model.points.body[point] != b:
                 continue
             guides = point == ends[1]
-            push, twist = _ways(model.points, point)
+            push, twist = motions_of(model.points, point)
             if len(along) and (joints.kind[along] == ALONG).all() and (guides or len(turning) > 1):
                 own = _seen_from(model, q, ends[1], point)
                 found += [(push.T @ (own @ axis), False) for axis in joints.axis[along]]
@@ -62,7 +62,7 @@ def _seen_from(model: SpatialModel, q: FloatArray, a: int, b: int) -> FloatArray
     return of_b.T @ of_a
 
 
-def _ways(points: SpatialPoints, p: int) -> tuple[FloatArray, FloatArray]:
+def motions_of(points: SpatialPoints, p: int) -> tuple[FloatArray, FloatArray]:
     """(3, 6 + n) displacement of point p along the axes of its body, and rotation about them, of frame and modes."""
     own = slice(points.start[p], points.start[p + 1])
     x, y, z = points.place[p].tolist()
@@ -76,7 +76,7 @@ def ways_of_point(points: SpatialPoints, p: int, kinds: list[int], guides: bool)
 
     ``guides``: it carries the line that a coordinate is measured along, so that what slides on it has a lever.
     """
-    push, twist = _ways(points, p)
+    push, twist = motions_of(points, p)
     found = [(way, False) for way in push] if any(not ANGULAR[kind] for kind in kinds) else []
     turns = any(ANGULAR[kind] for kind in kinds) or (guides and ALONG in kinds)
     return [*found, *((way, True) for way in twist)] if turns else found

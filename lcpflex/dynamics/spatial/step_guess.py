@@ -7,22 +7,21 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.dynamics.spatial.held_modes import motions_of
 from lcpflex.dynamics.spatial.static_modes import FLAT, frame_axes, normal_of
-from lcpflex.dynamics.static_modes import shapes_at
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model.spatial import SpatialModel
+from lcpflex.model.spatial import N_RIGID, SpatialModel
 
 __all__ = ["ends_of", "unit_motions"]
 
 
 def unit_motions(model: Any, q: FloatArray, p: int, moving: npt.NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
     """What unit forces at point p of a body, in its axes, and torques do on it (6 + n, 3); ``moving`` (n,)."""
-    phi, _ = shapes_at(model, p)
-    x, y, z = model.points.place[p]
-    arm = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    rows = np.vstack([frame_axes(model, q, int(model.points.body[p])), arm, moving[:, None] * phi])
-    psi = model.points.psi[model.points.start[p] : model.points.start[p + 1]]
-    return rows, np.vstack([np.zeros((3, 3)), np.eye(3), moving[:, None] * psi])
+    push, twist = (motion.T.copy() for motion in motions_of(model.points, p))
+    push[:3] = frame_axes(model, q, int(model.points.body[p]))  # velocities of frames are in world axes
+    for motion in (push, twist):
+        motion[N_RIGID:] *= moving[:, None]
+    return push, twist
 
 
 def ends_of(model: SpatialModel, f: int) -> list[tuple[int, FloatArray]]:

@@ -54,8 +54,10 @@ def find_feet(
 
 @kernel
 def whole_area(model: SpatialModel, node: int) -> float:
-    """Of all samples of a node [m^2]."""
+    """Of all samples of a node [m^2]: what a pressure acts on; of nodes that have none, of the one sample of each."""
     c = model.contacts
+    if c.node_area[node] > 0.0:
+        return c.node_area[node]
     total = 0.0
     for at in range(c.area_start[node], c.area_start[node + 1]):
         total += c.area_share[at]
@@ -117,7 +119,7 @@ def depth_below(model: SpatialModel, q: FloatArray, table: SpatialContactTable, 
     of_node, j = frame_of(model.bodies, q, c.surface_body[b]), frame_of(model.bodies, q, c.surface_body[s])
     radius, point = c.node_radius[node], c.node_point[node]
     place = seen_from(j, world_place(of_node, place_of(model, q, memory, of_node, point)))
-    outward = (0.0, 0.0, 0.0)
+    outward = NOTHING
     if radius == 0.0:
         outward = turned_back(j.A, turned(of_node.A, row_vector(c.node_normal, node)))
     find_foot(model, q, radius, table, j, s, 0, place, outward)

@@ -7,7 +7,7 @@ stand where no other entry has its own: S of the slave, and a, b, c, through whi
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -48,23 +48,27 @@ class FaceMemory:
     curvature: FloatArray = array(3)  # of the master of the present mean [1/m], along both tangents
 
 
-class FaceSizes(dict[str, int]):
-    """How much memory the faces of a model need, by the names of dimensions; nothing where it has none."""
+FaceSizes: TypeAlias = dict[str, int]  # how much memory the faces of a model need, by the names of dimensions
+
+
+def no_faces() -> FaceSizes:
+    """Of a model without."""
+    return {"points": 0, "samples": 0, "modes": 0}
 
 
 def face_sizes(contacts: Any) -> FaceSizes:
     """Of the contacts of a model."""
     samples = len(contacts.sample_start) - 1 if hasattr(contacts, "sample_start") else 0
     if samples <= 0:
-        return FaceSizes(points=0, samples=0, modes=0)
+        return no_faces()
     used = [contacts.node_point, contacts.feature_point.ravel(), contacts.cell_point, contacts.sample_point]
     points = 1 + max(int(np.max(some, initial=-1)) for some in used)
-    return FaceSizes(points=points, samples=samples, modes=contacts.surface_deflection.shape[1])
+    return {"points": points, "samples": samples, "modes": contacts.surface_deflection.shape[1]}
 
 
 def face_memory(capacity: int, sizes: FaceSizes | None = None) -> FaceMemory:
     """For a table of ``capacity`` entries."""
-    sizes = sizes or FaceSizes(points=0, samples=0, modes=0)
+    sizes = sizes or no_faces()
     entries = capacity if sizes["samples"] else 0
     count, modes = MEANS * EACH * entries, sizes["modes"]
     start = np.zeros(count + 1, np.int64)
