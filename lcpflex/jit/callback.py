@@ -1,7 +1,7 @@
 """A user's function made callable from kernels, and what it raised there.
 
-No exception passes through a kernel: it is kept here, the law is not a number from then on, so that the run cannot go
-on, and what was raised comes out of :meth:`OwnFunction.complaint`.
+No exception passes through a kernel: it is kept here, the law is no number there, so that the run cannot go on with
+that state, and what was raised comes out of :meth:`OwnFunction.complaint`.
 """
 
 from __future__ import annotations
@@ -82,12 +82,13 @@ class OwnFunction:
 
     def _call(self, depth: float, rate: float, speed: float, _: Any) -> float:
         """The function as Python, called from kernels."""
-        if self._error is not None:
-            return math.nan
+        if self._error is not None and not isinstance(self._error, Exception):
+            return math.nan  # interrupted: the run is to end
         try:
             force = float(self._function(depth, rate, speed, self._data[: self._n]))
         except BaseException as error:  # Ctrl-C, too: what is raised across a kernel would be lost
-            self._error = error
+            if self._error is None or not isinstance(error, Exception):
+                self._error = error
             return math.nan
         if not math.isfinite(force) and (self._data[self._n] == 0.0 or math.isfinite(depth + rate + speed)):
             self._data[self._n :] = NO_NUMBER, depth, rate, speed  # not of the states that are no numbers for it
@@ -115,8 +116,6 @@ def _compiled(function: Function, n: int) -> Any:
 
     def call(depth, rate, speed, block):  # type: ignore[no-untyped-def]
         data = numba.carray(block, (size,))
-        if data[n + MISHAP] == RAISED:
-            return math.nan
         mishap = NO_NUMBER
         force = math.nan
         try:

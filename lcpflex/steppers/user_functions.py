@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from typing import Protocol
 
 from lcpflex.force_laws.layout import LawRow, UserLaw
@@ -53,14 +54,25 @@ def advance(run: Advancing, n_steps: int) -> str:
         if not words:
             raise
         return words
-    words = _complaint(functions)
     if not message:
-        _begin(functions)  # trial states where one is no number do not matter, if shorter steps do without them
-    return words if message and words else message
+        _forget(functions)
+        return ""
+    return _complaint(functions) or message
 
 
 def _begin(functions: Sequence[tuple[str, UserLaw]]) -> None:
     for _, function in functions:
+        function.begin()
+
+
+def _forget(functions: Sequence[tuple[str, UserLaw]]) -> None:
+    """Trial states where one fails do not matter, if shorter steps do without them; Ctrl-C in one comes out.
+
+    Whether a trial fails in the last step before a pulse must not be seen: see :mod:`lcpflex.basics.pulse`.
+    """
+    for _, function in functions:
+        with suppress(Exception):
+            function.complaint()
         function.begin()
 
 

@@ -120,7 +120,11 @@ def spatial_parts_faces() -> list[Face]:
         ),
         Face("SpatialPlaced.box", placed().box, lambda: {"center": (0.0, 0.0, 0.0), "sizes": (0.1, 0.2, 0.3)}),
         Face("SpatialPlaced.hull", placed().hull, lambda: {"points": np.vstack([np.zeros(3), np.eye(3)])}),
-        Face("SpatialPlaced.face", lf.SpatialScene().add(_solid(), modes=0).face, lambda: {"name": "left"}),
+        Face(
+            "SpatialPlaced.face",
+            lambda name: lf.SpatialScene().add(_solid(), modes=0).face(name),
+            lambda: {"name": "left"},
+        ),
         Face("SpatialPlaced.node", placed().node, lambda: {"point": (0.0, 0.0, 0.0)}),
         told("momentum", body="ball"),
         told("orientation", body="ball"),

@@ -13,12 +13,14 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
+from lcpflex.basics.pulse import BEATS
 from lcpflex.force_laws.contact_law import ContactLaw
 from lcpflex.force_laws.damping.hysteresis import HysteresisDamping
 from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.force_laws.friction.laws import LuGre
 from lcpflex.force_laws.normal_kernels import normal_force
 from lcpflex.force_laws.user_law import UserLaw
+from lcpflex.steppers.smooth.implicit import ImplicitSteps
 from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth, Stiff, Verlet
 from tests.scenes import disc_on_floor
 
@@ -253,6 +255,24 @@ def test_what_a_law_raises_comes_out(integrator: Any, compiled: bool) -> None:
     assert caught.value.result.times[-1] > 0.0
     with pytest.raises(lf.StepError, match="ZeroDivisionError"):
         run(ContactLaw(UserLaw(dividing, compiled=compiled)), integrator)
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_pause_after_each_step_changes_nothing(compiled: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first trial steps reach to where the law raises, and are rejected: that is no end of a run."""
+    law = ContactLaw(UserLaw(deep, compiled=compiled))
+    with pytest.raises(lf.StepError, match="too deep") as caught:
+        run(law, Stiff())
+    step = ImplicitSteps._step
+
+    def with_a_beat(steps: ImplicitSteps) -> Any:
+        BEATS[0] += 1
+        return step(steps)
+
+    monkeypatch.setattr(ImplicitSteps, "_step", with_a_beat)
+    with pytest.raises(lf.StepError) as paused:
+        run(law, Stiff())
+    assert str(paused.value) == str(caught.value)
 
 
 def test_interruption_in_a_python_law_interrupts() -> None:
