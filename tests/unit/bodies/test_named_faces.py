@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,12 +15,16 @@ from lcpflex.bodies.spatial.face_nodes import FaceNodes
 from lcpflex.bodies.spatial.surface import CODES, RANKS, SpatialKind
 from tests.solid_meshes import EDGES, QUIET, SOLIDS, STEEL, solid
 
-SHAPES: dict[str, Any] = {
-    "box": (lf.Solid.box((0.1, 0.05, 0.02), 0.02, **STEEL), ("left", "right", "front", "back", "bottom", "top")),
-    "bar": (lf.Solid.bar(0.1, 0.05, 0.02, 0.02, **STEEL), ("left", "right", "front", "back", "bottom", "top")),
-    "cylinder": (lf.Solid.cylinder(0.05, 0.02, 0.04, **STEEL), ("side", "bottom", "top")),
-    "tube": (lf.Solid.tube(0.03, 0.05, 0.02, 0.03, **STEEL), ("inner", "outer", "bottom", "top")),
-    "ball": (lf.Solid.ball(0.05, 0.04, **STEEL), ()),
+# made when they are needed: collecting loads no finite elements
+SHAPES: dict[str, tuple[Callable[[], lf.Solid], tuple[str, ...]]] = {
+    "box": (
+        lambda: lf.Solid.box((0.1, 0.05, 0.02), 0.02, **STEEL),
+        ("left", "right", "front", "back", "bottom", "top"),
+    ),
+    "bar": (lambda: lf.Solid.bar(0.1, 0.05, 0.02, 0.02, **STEEL), ("left", "right", "front", "back", "bottom", "top")),
+    "cylinder": (lambda: lf.Solid.cylinder(0.05, 0.02, 0.04, **STEEL), ("side", "bottom", "top")),
+    "tube": (lambda: lf.Solid.tube(0.03, 0.05, 0.02, 0.03, **STEEL), ("inner", "outer", "bottom", "top")),
+    "ball": (lambda: lf.Solid.ball(0.05, 0.04, **STEEL), ()),
 }
 
 
@@ -66,7 +71,7 @@ def test_facets_have_all_their_nodes_and_look_outwards(kind: str, reduced: Any) 
 def test_shapes_name_their_faces(shape: str) -> None:
     """Each looks away from the body, apart from the wall of the tube; all of them are the surface."""
     made, names = SHAPES[shape]
-    body = made.reduce(0)
+    body = made().reduce(0)
     assert set(body.faces) == {"surface", *names}
     assert sum(len(body.face(name).cells) for name in names or ["surface"]) == len(body.face("surface").cells)
     for name in body.faces:
@@ -114,7 +119,7 @@ def test_matrices_have_the_faces_that_were_given() -> None:
 
 
 def test_faces_are_copied_and_checked() -> None:
-    body = SHAPES["box"][0].reduce(2)
+    body = SHAPES["box"][0]().reduce(2)
     for other in (copy.deepcopy(body), pickle.loads(pickle.dumps(body))):
         assert np.array_equal(places_of(other.face("top")), places_of(body.face("top")))
     with pytest.raises(lf.ModelError, match=r"faces\['top'\]: 3 was given, expected that of a reduced body"):
