@@ -57,7 +57,8 @@ class SpatialMatrices:
     ------
     ModelError
         For anything else: wrong shapes, NaN, unsymmetric matrices, a mass not positive, supports, unknown nodes,
-        facets that are clockwise seen from outside, not convex, or have the nodes amid their edges in another order.
+        facets that are clockwise seen from outside, not convex, given twice, cover one another, or have the nodes amid
+        their edges in another order.
 
     Warns
     -----

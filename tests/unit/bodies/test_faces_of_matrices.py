@@ -9,7 +9,7 @@ import pytest
 
 import lcpflex as lf
 from tests import libs
-from tests.solid_meshes import QUIET, SOLIDS, STEEL, bent, solid
+from tests.solid_meshes import EDGES, QUIET, SOLIDS, STEEL, bent, meshed_block, solid
 
 
 @QUIET
@@ -109,3 +109,44 @@ def test_nodes_amid_edges_are_behind_the_corners_in_their_order(kind: str, order
     mesh = solid(kind, (3, 2, 2), bent).finite_elements()
     with pytest.raises(lf.ModelError, match=r"faces\['end'\]: node \d+ of facet 0 is not near the middle of its edge"):
         lf.SpatialMatrices(mesh.mass, mesh.stiffness, mesh.places, faces={"end": mesh.facets[:4][:, order]})
+
+
+@QUIET
+@pytest.mark.parametrize("kind", SOLIDS)
+def test_a_facet_that_is_given_again_is_refused(kind: str) -> None:
+    """Also from another corner on: what touches it would count twice."""
+    mesh = solid(kind, (3, 2, 2), bent).finite_elements()
+    facets = mesh.facets[:5]
+    corners = 3 if facets.shape[1] in (3, 6) else 4
+    around = np.r_[np.roll(np.arange(corners), 1), np.arange(corners, facets.shape[1])]
+    if facets.shape[1] > corners:
+        around[corners : 2 * corners] = corners + np.roll(np.arange(corners), 1)
+    for again in (facets[2], facets[2][around]):
+        twice = np.vstack([facets, again])
+        words = r"faces\['foot'\]: facets 2 and 5 have the same corners .* \(1 facet\(s\) are given again\)"
+        with pytest.raises(lf.ModelError, match=words):
+            lf.SpatialMatrices(mesh.mass, mesh.stiffness, mesh.places, faces={"foot": twice})
+    shared = {"foot": facets, "toe": facets[2:3]}
+    lf.SpatialMatrices(mesh.mass, mesh.stiffness, mesh.places, faces=shared)
+
+
+@QUIET
+@pytest.mark.parametrize("bend", [None, bent])
+def test_facets_that_cover_one_another_are_refused(bend: Any) -> None:
+    """A side cut along its other diagonal; coarse ones over fine ones; in one face or in two."""
+    mesh = solid("tetra", (4, 4, 1), bend).finite_elements()
+    start = meshed_block("tetra", EDGES, (4, 4, 1)).places
+    top = mesh.facets[(abs(start[mesh.facets][..., 2] - EDGES[2]) < 1e-9).all(axis=1)]
+    lf.SpatialMatrices(mesh.mass, mesh.stiffness, mesh.places, faces={"top": top})
+    number = {tuple(np.rint(place[:2] / EDGES[:2] * 4).astype(int)): k for k, place in enumerate(start) if place[2] > 0}
+    small = [number[at] for at in ((1, 1), (2, 1), (2, 2), (1, 2))]
+    large = [number[at] for at in ((0, 0), (4, 0), (4, 4))]
+    cuts = [[small[i] for i in cut] for cut in ((0, 1, 2), (0, 2, 3), (0, 1, 3), (1, 2, 3))]
+    other = [cut for cut in cuts if sorted(cut) not in np.sort(top, axis=1).tolist()]
+    assert len(other) == 2
+    wrong = [{"top": np.vstack([top, other[:1]])}, {"top": top, "side": np.array(other[:1])}]
+    if bend is None:
+        wrong.append({"top": np.vstack([top, [large]])})
+    for faces in wrong:
+        with pytest.raises(lf.ModelError, match=r"faces\['top'\], facet \d+ .* and faces\['.*cover one another"):
+            lf.SpatialMatrices(mesh.mass, mesh.stiffness, mesh.places, faces=faces)
