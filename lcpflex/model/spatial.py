@@ -197,6 +197,8 @@ class SpatialContacts(NamedTuple):
     feature_cell: IntArray = NO_NUMBERS  # (features,) the one that a facet is a part of; -1: it is one itself
     # (nodes,) area that the force on a node is shared out over [m^2]; 0 where it makes no pressure
     node_area: FloatArray = NO_VALUES
+    # (nodes, 6) V of the samples that a node is the mean of [m^2]: xx, yy, zz, yz, xz, xy, undeformed, body frame
+    node_spread: FloatArray = frozen([], columns=6)
     node_share: FloatArray = NO_VALUES  # (nodes,) part of a face that is about a node, 1 of those of other surfaces
     area_start: IntArray = NO_OFFSETS  # (nodes + 1,) offsets into the next two
     area_sample: IntArray = NO_NUMBERS  # samples that a node is the mean of

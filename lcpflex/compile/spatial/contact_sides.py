@@ -1,7 +1,6 @@
 """The two sides of a contact as they are compiled: what of a surface touches the other.
 
-That of a face of a solid depends on what it touches: its nodes or areas, and over round bodies by how much the gap of
-an area is less than the mean over it. So a face is compiled once for each such way.
+A face of a solid touches with its nodes or areas. So it is compiled once for each of these ways.
 """
 
 from __future__ import annotations
@@ -10,10 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lcpflex.bodies.spatial.surface import SpatialKind, SpatialSurface
+from lcpflex.bodies.spatial.surface import SpatialKind
 from lcpflex.compile.spatial.assembly import SpatialAssembly
 from lcpflex.compile.spatial.contact_surfaces import nodes_of
-from lcpflex.compile.spatial.face_areas import AREAS, LINEAR, NODES, face_parts, offset_over
+from lcpflex.compile.spatial.face_areas import AREAS, LINEAR, NODES, face_parts
 from lcpflex.compile.spatial.mesh_features import node_facings, node_normals
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.scene.declared import DeclaredContact
@@ -21,22 +20,19 @@ from lcpflex.scene.placed_surface import PlacedSurface
 
 __all__ = ["Carrying", "Side", "carrying_of", "side_of", "sides_of_contact"]
 
-ROUND = {SpatialKind.SPHERE: 1.0, SpatialKind.HOLE: -1.0, SpatialKind.CYLINDER: 1.0, SpatialKind.CAPSULE: 1.0}
 NO_POINTS: IntArray = np.zeros(0, np.int64)
 
 
 class Side(NamedTuple):
-    """A surface, what it touches with, and the radius of what it touches, which may curve in one direction alone."""
+    """A surface, and what it touches with."""
 
     surface: PlacedSurface
     by: str = ""
-    radius: float = 0.0
-    across: bool = False
 
     @property
     def key(self) -> tuple[Any, ...]:
         """The same of sides that are compiled once."""
-        return self.surface.label, self.by, self.radius, self.across
+        return self.surface.label, self.by
 
 
 class Carrying(NamedTuple):
@@ -47,6 +43,7 @@ class Carrying(NamedTuple):
     normals: FloatArray  # (k, 3)
     facings: FloatArray  # (k,)
     pressed: FloatArray  # (k,)
+    spread: FloatArray  # (k, 6)
     areas: list[IntArray]  # of each node, its samples
     shares: list[FloatArray]
     samples: list[tuple[IntArray, FloatArray]]  # points and weights
@@ -63,17 +60,14 @@ def side_of(surface: PlacedSurface) -> Side:
 def sides_of_contact(contact: DeclaredContact) -> tuple[Side, Side]:
     """Of the surfaces of a contact, in their order."""
     first, second = contact.pair
-    return _side(contact, first, second.shape), _side(contact, second, first.shape)
+    return _side(contact, first), _side(contact, second)
 
 
-def _side(contact: DeclaredContact, surface: PlacedSurface, other: SpatialSurface) -> Side:
+def _side(contact: DeclaredContact, surface: PlacedSurface) -> Side:
     if surface.shape.kind is not SpatialKind.FACE:
         return Side(surface)
     touches = contact.node_side is None or contact.node_side.label == surface.label
-    by = contact.points if touches else NODES
-    radius = ROUND.get(other.kind, 0.0) * other.radius if by == AREAS else 0.0  # nodes are where they are
-    across = other.kind in (SpatialKind.CYLINDER, SpatialKind.CAPSULE)
-    return Side(surface, by, radius, across and radius != 0.0)
+    return Side(surface, contact.points if touches else NODES)
 
 
 def carrying_of(side: Side, indices: list[int], assembly: SpatialAssembly) -> Carrying:
@@ -89,7 +83,7 @@ def carrying_of(side: Side, indices: list[int], assembly: SpatialAssembly) -> Ca
     radii = np.array([radius for _, radius in carrying])
     none = [NO_POINTS] * k
     points = [point for point, _ in carrying]
-    return Carrying(points, radii, normals, facings, np.zeros(k), none, [], [], np.zeros((0, 3)))
+    return Carrying(points, radii, normals, facings, np.zeros(k), np.zeros((k, 6)), none, [], [], np.zeros((0, 3)))
 
 
 def _of_face(side: Side, indices: list[int], assembly: SpatialAssembly) -> Carrying:
@@ -97,10 +91,11 @@ def _of_face(side: Side, indices: list[int], assembly: SpatialAssembly) -> Carry
     numbers = np.array(indices, dtype=np.int64)
     return Carrying(
         [assembly.point(side.surface.body, point) for point in parts.points],
-        offset_over(side.radius, parts.spread, across=side.across),
+        np.zeros(len(parts.points)),
         parts.normals,
         np.zeros(len(parts.points)),
         parts.pressed,
+        parts.spread,
         parts.samples,
         parts.shares,
         [(numbers[nodes], weights) for nodes, weights in zip(parts.nodes, parts.weights, strict=True)],

@@ -158,6 +158,7 @@ def _faces(nodes: Sequence[Carrying], cells: Sequence[Sequence[int]], features: 
         "cell_point": frozen([point for cell in cells for point in cell], ints),
         "feature_cell": frozen([f.cell for f in features], ints),
         "node_area": frozen(np.concatenate([one.pressed for one in nodes])),
+        "node_spread": frozen(np.concatenate([one.spread for one in nodes]), columns=6),
         "node_share": frozen(np.concatenate([_parts_of_face(one) for one in nodes])),
         "area_start": frozen(np.cumsum([0, *map(len, of_nodes)]), ints),
         "area_sample": frozen(np.concatenate([*of_nodes, np.zeros(0, ints)]), ints),

@@ -6,14 +6,14 @@ bilinear on these and 1 at node a, makes one contact of all samples s around a, 
     c_as = w_s phi_a(s),   A_a = sum_s c_as,   r_a = sum_s c_as r(s) / A_a
 
 with the shape functions of the face for r(s). On planes, spheres and cylinders this is one material point. Over a
-sphere of radius R its gap is less than the mean of the gaps of the samples by <rho^2>/2R, rho being their distance from
-it along the face. Faces of eight nodes have no linear parts with positive shares: the hats of their corners serve. The
-positive hats make pressures lambda_a/A_a that cannot pull (see :mod:`lcpflex.contact.spatial.faces.means`).
+sphere of radius R its gap is less than the mean of the gaps of the samples by about <rho^2>/2R, rho being their
+distance from it (see :mod:`lcpflex.contact.spatial.faces.round_means`). Faces of eight nodes have no linear parts with
+positive shares: the hats of their corners serve. The positive hats make pressures lambda_a/A_a that cannot pull (see
+:mod:`lcpflex.contact.spatial.faces.means`).
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
@@ -27,7 +27,7 @@ from lcpflex.bodies.spatial.surface import SpatialSurface
 from lcpflex.contact.spatial.faces.shapes import lay_shapes
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["AREAS", "LINEAR", "NODES", "FaceParts", "face_parts", "offset_over"]
+__all__ = ["AREAS", "LINEAR", "NODES", "FaceParts", "face_parts"]
 
 NODES, AREAS = "nodes", "areas"
 # of quadrature in a part, 7 points of a triangle, 25 of a quadrilateral: stress beside a face is right to .6 %; 16 miss
@@ -53,7 +53,7 @@ class FaceParts:
     ----------
     points : (k,) material points
     pressed : (k,) [m^2] area that the force of each is a pressure on; 0 where it is none
-    spread : (k,) [m^2] mean square of the distances of its samples from it, along the face
+    spread : (k, 6) [m^2] mean products of the distances of its samples from it: xx, yy, zz, yz, xz, xy
     normals : (k, 3) outward, undeformed
     samples : of each, their numbers
     shares : of each, its part of each of them [m^2]
@@ -162,8 +162,7 @@ def _areas(surface: SpatialSurface) -> FaceParts:
     points = tuple(_mean(surface, found, s, c) for s, c in zip(samples, shares, strict=True))
     normals = np.array([_unit(c @ found.outward[s]) for s, c in zip(samples, shares, strict=True)])
     spread = np.array([
-        _spread(found.places[s] - point.place, normal, c)
-        for s, c, point, normal in zip(samples, shares, points, normals, strict=True)
+        _spread(found.places[s] - point.place, c) for s, c, point in zip(samples, shares, points, strict=True)
     ])  # fmt: skip
     pressed = np.array([sum(c.tolist()) for c in shares])  # one after the other, as what is common is: all of it is all
     return FaceParts(points, pressed, spread, normals, samples, shares, found.nodes, found.weights, found.outward)
@@ -184,9 +183,9 @@ def _unit(vector: FloatArray) -> FloatArray:
     return np.asarray(vector / np.linalg.norm(vector))
 
 
-def _spread(away: FloatArray, normal: FloatArray, shares: FloatArray) -> float:
-    along = (away**2).sum(axis=1) - (away @ normal) ** 2
-    return float(shares @ along / shares.sum())
+def _spread(away: FloatArray, shares: FloatArray) -> FloatArray:
+    mean = np.einsum("s,si,sj->ij", shares / shares.sum(), away, away)
+    return np.asarray(mean[[0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]])
 
 
 def _nodes(surface: SpatialSurface) -> FaceParts:
@@ -206,7 +205,7 @@ def _nodes(surface: SpatialSurface) -> FaceParts:
     return FaceParts(
         tuple(surface.points[k] for k in own),
         hat[own] if linear else np.zeros(len(own)),
-        np.zeros(len(own)),
+        np.zeros((len(own), 6)),
         normals,
         [np.array([k], dtype=np.int64) for k in range(len(own))],
         [np.array([size]) for size in share],
@@ -214,13 +213,3 @@ def _nodes(surface: SpatialSurface) -> FaceParts:
         [one] * len(own),
         normals,
     )
-
-
-def offset_over(radius: float, spread: FloatArray, *, across: bool) -> FloatArray:
-    """(k,) [m] radius of each node that makes its gap over a curved surface the mean of its samples'.
-
-    radius: of a sphere, < 0 from inside. ``across``: of a cylinder, which curves in one direction of two.
-    """
-    if radius == 0.0 or math.isinf(radius):
-        return np.zeros(len(spread))
-    return np.asarray(-spread / ((4.0 if across else 2.0) * radius))

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.bodies.spatial.surface import FACE
 from lcpflex.contact.spatial.entries import load_by_cylinder
+from lcpflex.contact.spatial.faces.round_means import are_spread, radius_over
 from lcpflex.contact.spatial.narrow_phase.cylinder import length_between, radial
 from lcpflex.contact.spatial.narrow_phase.rim import rim_axis
 from lcpflex.contact.spatial.narrow_phase.sides import frame_of, place_in, world_place
@@ -18,7 +18,7 @@ from lcpflex.contact.spatial.node_pass import THIN
 from lcpflex.contact.spatial.pairs import locate
 from lcpflex.contact.spatial.table import NODE_CAP, NODE_RIM, NODE_SIDE, SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
-from lcpflex.kinematics.spatial.vectors import apart_from
+from lcpflex.kinematics.spatial.vectors import apart_from, scaled
 from lcpflex.model.spatial import SpatialModel
 
 __all__ = ["SIDE_OF", "nodes_on_cylinder"]
@@ -51,13 +51,14 @@ def nodes_on_cylinder(
     start = world_place(frame, place_in(model.points, q, frame, o))
     axis = rim_axis(model.points, q, frame, o, x)
     length, thin = length_between(model.points, o, x), THIN * c.surface_extent[b]
+    spread = are_spread(model, a)
     for node in range(c.node_start[a], c.node_start[a + 1]):
         place = world_place(of_nodes, place_in(model.points, q, of_nodes, c.node_point[node]))
-        z, _, r = radial(axis, apart_from(place, start))
+        z, p, r = radial(axis, apart_from(place, start))
         kind, part, distance = part_of(z, r, length, c.feature_radius[first], thin)
-        # the gap of a mean of samples is less than theirs over the side alone: ends are flat
-        flat = c.surface_kind[a] == FACE and kind != NODE_SIDE
-        radius = 0.0 if flat else c.node_radius[node]
+        radius = c.node_radius[node]
+        if spread and kind == NODE_SIDE and r > 0.0:  # ends are flat
+            radius = radius_over(model, of_nodes, node, scaled(1.0 / r, p), axis, c.feature_radius[first])
         if distance - radius <= margin:
             if n < len(table.key):
                 load_by_cylinder(model, table, n, law, kind, node, first, part)

@@ -13,6 +13,7 @@ import math
 from lcpflex.bodies.spatial.surface import ALL_FEATURES, CORNERS, NO_POINTS
 from lcpflex.contact.spatial.bounds import is_beside_box
 from lcpflex.contact.spatial.entries import load_node
+from lcpflex.contact.spatial.faces.round_means import are_spread, keep_over_round
 from lcpflex.contact.spatial.kinds import EDGE, FACET, POINT
 from lcpflex.contact.spatial.mesh_pairs import BLUNT, DEEP, TURNED, are_meshes, band_between, deforms
 from lcpflex.contact.spatial.narrow_phase.edges import TILT
@@ -208,6 +209,7 @@ def nodes_on_features(
     band = band_between(model, a, b)
     slack = TURNED if are_meshes(model, a, b) and (deforms(model, a) or deforms(model, b)) else 0.0
     reach = c.surface_extent[b] + margin + table.bound[b, 3] + band
+    spread = are_spread(model, a)
     for node in range(c.node_start[a], c.node_start[a + 1]):
         if mode == CORNERS and c.node_facing[node] > BLUNT:
             continue
@@ -217,5 +219,8 @@ def nodes_on_features(
         if not dot(d, d) > far * far:
             m = turned_back(frame.A, turned(of_nodes.A, row_vector(c.node_normal, node)))
             facing = least_facing(model, node, mode, slack)
-            n = detect_node(model, q, margin, table, frame, b, law, node, place, m, facing, mode, n, band)
+            first = n
+            n = detect_node(model, q, margin, table, frame, b, law, node, place, m, facing, mode, first, band)
+            if spread and first < n <= len(table.key):
+                n = keep_over_round(model, q, margin, table, (of_nodes, frame), node, first, n)
     return n

@@ -13,6 +13,7 @@ from lcpflex.contact.spatial.cylinder_pass import nodes_on_cylinder
 from lcpflex.contact.spatial.edge_pass import edges_on_edges
 from lcpflex.contact.spatial.entries import load_node, load_rim
 from lcpflex.contact.spatial.faces.detection import faces_touch
+from lcpflex.contact.spatial.faces.round_means import are_spread, radius_over
 from lcpflex.contact.spatial.kinds import PLANE, POINT, RIM
 from lcpflex.contact.spatial.manifold.cylinder_on_hull import cylinder_touches
 from lcpflex.contact.spatial.manifold.cylinders import cylinders_touch
@@ -27,7 +28,7 @@ from lcpflex.contact.spatial.table import NODE_FACET, NODE_POINT, SpatialContact
 from lcpflex.contact.spatial.twice import drop_twice
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.points import point_place
-from lcpflex.kinematics.spatial.vectors import apart_from, dot, norm
+from lcpflex.kinematics.spatial.vectors import NOTHING, apart_from, dot, norm, scaled
 from lcpflex.model.spatial import SpatialModel
 
 __all__ = ["detect_pass", "nearest_features"]
@@ -76,6 +77,7 @@ def nodes_on_sphere(
     begin, end = c.node_start[a], c.node_start[a + 1]
     moved = shift_nodes(model, q, table, a)
     body = frame_of(model.bodies, q, c.surface_body[a])
+    spread = are_spread(model, a)
     for node in range(begin, end):
         p = c.node_point[node]
         s = (
@@ -84,10 +86,13 @@ def nodes_on_sphere(
             else place_in(model.points, q, body, p)
         )
         d = apart_from(world_place(body, s), o)
-        gap = sense * norm(d) - radius - c.node_radius[node]
-        if gap <= margin:
+        away, own = norm(d), c.node_radius[node]
+        if spread and away > 0.0:
+            own = radius_over(model, body, node, scaled(1.0 / away, d), NOTHING, radius)
+        if sense * away - radius - own <= margin:
             if n < len(table.key):
                 load_node(model, table, n, law, NODE_POINT, node, f)
+                table.radius[n, 0] = own
                 locate(model, q, table, n)
             n += 1
     return n
