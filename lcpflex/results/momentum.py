@@ -3,6 +3,8 @@
     p = sum m v_C          L = sum <r x rdot>  about the origin of the world          r_C = sum <r> / sum m
 
 In free motion p changes by weight and L by its moment alone: what else changes them are joints, loads and contacts.
+Bodies that collide keep their common p to rounding; in space their common L to the order of the step, 1 of time
+stepping, and to rounding by the massless boundary when the contact is open again.
 """
 
 from __future__ import annotations

@@ -22,6 +22,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.spatial.configuration import advance
 from lcpflex.scene.placed_surface import PlacedSurface
+from tests.solid_meshes import EDGES, QUIET, solid
 
 TRIANGLE = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.0), (0.5, 0.5), (0.0, 0.5)]
 SQUARE = [
@@ -185,12 +186,51 @@ def test_plates_touch_with_their_whole_faces(nodes: int, other: int, by: str) ->
     np.testing.assert_allclose(table.normal[:n], [(0.0, 0.0, 1.0)] * n, atol=1e-12)
     if by == AREAS:
         np.testing.assert_allclose(table.area[:n].sum(), 0.09, rtol=1e-12)
+    assert_moves_as_one(model, table, n, q)
+
+
+def assert_moves_as_one(model: Any, table: Any, n: int, q: FloatArray) -> None:
+    """No relative velocity of bodies that move and turn as one, but for what lies between: forces are then a pair.
+
+    The reaction acts at the foot, the force beyond the gap g: friction has a couple g n x F, closed contacts none.
+    """
+    velocity, omega = np.array([0.3, -0.2, 0.7]), np.array([1.0, 2.0, -3.0])
     rows = np.zeros((3, 2, int(np.diff(model.bodies.dof).max())))
     for k in range(n):
         contact_rows(model, q, table, k, rows[0], rows[1:])
-        moved = rows.sum(axis=1)  # both bodies move and turn as one
-        v_and_omega = np.array([0.3, -0.2, 0.7])
-        np.testing.assert_allclose(moved[:, :3] @ v_and_omega, 0.0, atol=1e-14)
+        moved = np.zeros(3)
+        for side, b in enumerate(table.body[k]):
+            at = model.bodies.place[b]
+            u = np.zeros(rows.shape[2])
+            u[:3] = velocity + np.cross(omega, q[at : at + 3])
+            u[3:6] = Rotation.from_quat(q[at + 3 : at + 7], scalar_first=True).inv().apply(omega)
+            moved += rows[:, side] @ u
+        normal, tangent = table.normal[k], table.tangent[k]
+        between = table.gap[k] * np.cross(omega, normal)
+        expected = [0.0, between @ tangent, between @ np.cross(normal, tangent)]
+        np.testing.assert_allclose(moved, expected, atol=1e-14)
+
+
+@QUIET
+@pytest.mark.parametrize("by", [AREAS, NODES])
+@pytest.mark.parametrize("kind", ["tetra10", "hexahedron", "hexahedron27"])
+def test_forces_between_two_deformed_solids_are_a_pair(kind: str, by: str) -> None:
+    turn, scene = Rotation.from_rotvec([0.3, -0.2, 0.5]), lf.SpatialScene(gravity=(0, 0, 0))
+    lower = solid(kind, (3, 2, 1), sets={"face": lambda x, y, z: z > EDGES[2] - 1e-9}).reduce(8, contact="face")
+    upper = solid(kind, (2, 3, 1), sets={"face": lambda x, y, z: z < 1e-9}).reduce(8, contact="face")
+    place, tilted = turn.apply([0.02, 0.01, EDGES[2] + 2e-3]), turn * Rotation.from_rotvec([0.01, 0.01, 0.4])
+    a = scene.add(lower, "lower", orientation=turn)
+    b = scene.add(upper, "upper", place, tilted)
+    scene.contact(b.face("face"), a.face("face"), friction=0.3, points=by)
+    compiled = scene.compile(indents=lambda name: True)
+    model, q = pack(compiled.model), np.array(compiled.q)
+    bend = 1e-5 * np.random.default_rng(1).normal(size=len(q))
+    for at, end in zip(model.bodies.place, [*model.bodies.place[1:], len(q)], strict=True):
+        q[at + 7 : end] = bend[at + 7 : end]
+    table, n = near(model, q, 0.02)
+    assert n > 5
+    assert np.ptp(table.gap[:n]) > 1e-4
+    assert_moves_as_one(model, table, n, q)
 
 
 @pytest.mark.parametrize("by", [AREAS, NODES])
