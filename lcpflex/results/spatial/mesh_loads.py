@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.results.result import Result
-    from lcpflex.results.spatial.point_wrench import PointWrench, Where
+    from lcpflex.results.spatial.point_wrench import PointWrench
 
 __all__ = ["SpatialMeshLoads"]
 
@@ -79,12 +79,10 @@ class SpatialMeshLoads:
         for one, weight in points:
             np.add.at(total, one.rows, weight * (one.u @ force + one.psi @ moment))
 
-    def _operator(self, mesh: MeshStress, p: Where) -> PointOperator:
+    def _operator(self, mesh: MeshStress, p: int) -> PointOperator:
         """Of a material point: the mean of some nodes, or the material at its place."""
         if self._points is None:
             self._points = NodePoints(mesh.mesh)
-        if not isinstance(p, int):
-            return _carrying(self._points, mesh, np.array(p))
         if p not in self._known:
             if p in self._compiled.spread:
                 self._known[p] = self._points.of_nodes(*self._compiled.spread[p])

@@ -25,7 +25,6 @@ from lcpflex.kinematics.spatial.frames import matrices, small_rotations
 from lcpflex.model.recovery import SpatialLineShapes
 from lcpflex.model.spatial import N_PLACE, N_RIGID, SpatialModel
 from lcpflex.results.spatial.acting_forces import Acting, SpatialActingForces
-from lcpflex.results.spatial.point_wrench import place_of
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
@@ -168,7 +167,7 @@ class _Cut:
         total, about = self._beyond @ force, self._beyond @ moment
         for load in acting.loads:
             if load.body == self._b:
-                station = sum(weight * place_of(points, p)[:1] for p, weight in load.points)
+                station = sum(weight * np.asarray(points.place[p])[:1] for p, weight in load.points)
                 beyond = self._counted(np.asarray(station))
                 total = total + beyond * (A.T @ load.block[:3])
                 about = about + beyond * load.block[3:6]

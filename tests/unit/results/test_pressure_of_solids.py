@@ -13,6 +13,7 @@ import lcpflex as lf
 from lcpflex.errors import ModelError
 from lcpflex.results.result import Result
 from tests import libs
+from tests.solid_meshes import EDGES, QUIET, meshed_block
 
 STEEL = {"density": 7800.0, "youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
 SIDE, HEIGHT = 0.1, 0.05
@@ -100,3 +101,54 @@ def test_forces_between_faces_act_on_the_material_of_both(quadratic: bool) -> No
         places = recovery._mesh.shapes.places
         assert np.abs(loads.sum(axis=0)).max() < 1e-9 * pressed.normal_force[k]
         assert np.abs(np.cross(places, loads).sum(axis=0)).max() < 1e-4 * SIDE * pressed.normal_force[k]
+
+
+LOAD = 1e3  # N: strains of 1e-7, as stresses are those of the undeformed mesh
+
+
+def pressed_block(kind: str, counts: tuple[int, int, int]) -> lf.Solid:
+    ends = {"bottom": lambda x, y, z: z < 1e-6, "top": lambda x, y, z: z > EDGES[2] - 1e-6}
+    return lf.Solid(meshed_block(kind, EDGES, counts), sets=ends, **STEEL)
+
+
+def pressed(blocks: list[lf.Solid], points: str) -> Result:
+    """Blocks on the ground and on each other, under a plate that a force presses on them, at rest."""
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    middle, height = (0.5 * EDGES[0], 0.5 * EDGES[1]), EDGES[2]
+    below: Any = scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    for k, solid in enumerate(blocks):
+        body = scene.add(solid, name=f"b{k}", position=(*middle, (k + 0.5) * height), modes=4)
+        scene.contact(body.face("bottom"), below, points=points, name=f"under b{k}")
+        below = body.face("top")
+    plate = scene.add(lf.Cuboid(*EDGES, density=STEEL["density"]), position=(*middle, (len(blocks) + 0.5) * height))
+    scene.contact(below, plate.plane((0.0, 0.0, -0.5 * height), (0.0, 0.0, -1.0)), points=points)
+    scene.load(lf.Force(plate.at(0.0, 0.0, 0.0), (0.0, 0.0, -LOAD)))
+    return lf.simulate(scene, 0.02, lf.MoreauJean(2e-4, theta=1.0), record=0.01, progress=False)
+
+
+@QUIET
+@pytest.mark.parametrize(
+    ("kind", "points"),
+    [("hexahedron", "nodes"), ("hexahedron", "areas"), ("hexahedron20", "areas"), ("hexahedron27", "areas"),
+     ("tetra10", "areas")],
+)  # fmt: skip
+def test_stress_under_an_even_pressure_is_that(kind: str, points: str) -> None:
+    """On both ends, of modes and of their static part, whose loads are those of the pressure on the elements."""
+    result = pressed([pressed_block(kind, (3, 3, 2))], points)
+    p = LOAD / (EDGES[0] * EDGES[1])
+    for static in (True, False):
+        stress = result.stress("b0", static=static).of(len(result.times) - 1)
+        for found, expected in ((stress.zz, -p), (stress.xx, 0.0), (stress.zx, 0.0)):
+            np.testing.assert_allclose(found, expected, atol=1e-5 * p)
+
+
+@QUIET
+@pytest.mark.parametrize(("low", "up"), [("hexahedron", "tetra10"), ("hexahedron27", "hexahedron")])
+def test_stress_between_faces_of_other_meshes_is_the_pressure(low: str, up: str) -> None:
+    """As of their patch test; the forces on the meshes are those that their modes feel, so nothing is left out."""
+    result = pressed([pressed_block(low, (3, 3, 2)), pressed_block(up, (2, 4, 2))], "areas")
+    p = LOAD / (EDGES[0] * EDGES[1])
+    for name in ("b0", "b1"):
+        whole, modes = (result.stress(name, static=static).of(len(result.times) - 1) for static in (True, False))
+        np.testing.assert_allclose(whole.zz, -p, atol=0.03 * p)
+        np.testing.assert_allclose(whole.zz, modes.zz, atol=1e-4 * p)

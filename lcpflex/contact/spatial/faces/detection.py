@@ -8,7 +8,7 @@ from lcpflex.bodies.spatial.surface import FACE
 from lcpflex.contact.spatial.bounds import plane_vector
 from lcpflex.contact.spatial.entries import load_node
 from lcpflex.contact.spatial.faces.feet import find_foot, place_of
-from lcpflex.contact.spatial.faces.means import common_area, forget, gap_of_means, lay_means, weigh
+from lcpflex.contact.spatial.faces.means import blend, common_area, forget, gap_of_means, lay_means, weigh
 from lcpflex.contact.spatial.faces.memory import mean_of
 from lcpflex.contact.spatial.kinds import PLANE, POINT, SIDE
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, frame_of, place_in, seen_from, world_place
@@ -28,7 +28,7 @@ from lcpflex.kinematics.spatial.vectors import (
 )
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["depth_along", "depth_below", "depth_of", "faces_touch"]
+__all__ = ["depth_along", "depth_below", "depth_of", "faces_touch", "weigh_entry"]
 
 LEAST = 1e-3  # of an area that must be common: what is less hangs on a sample at its rim, and would be no mean
 BESIDE = 2.0  # lengths of an area: how far above the margin one of its samples may be, if the mean is within it
@@ -65,6 +65,16 @@ def whole_area(model: SpatialModel, node: int) -> float:
 
 
 @kernel
+def sample_reach(model: SpatialModel, a: int, margin: float) -> float:
+    """How far above another surface samples of face a may be whose means are within ``margin`` [m]."""
+    c = model.contacts
+    largest = 0.0
+    for node in range(c.node_start[a], c.node_start[a + 1]):
+        largest = max(largest, whole_area(model, node))
+    return margin + BESIDE * math.sqrt(largest)
+
+
+@kernel
 def load_means(
     model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int, law: int, node: int, b: int, count: int,
     area: float,
@@ -93,10 +103,7 @@ def faces_touch(
     c, memory = model.contacts, table.faces
     i, j = frame_of(model.bodies, q, c.surface_body[a]), frame_of(model.bodies, q, c.surface_body[b])
     memory.search += 1
-    largest = 0.0
-    for node in range(c.node_start[a], c.node_start[a + 1]):
-        largest = max(largest, whole_area(model, node))
-    wide = margin + BESIDE * math.sqrt(largest)
+    wide = sample_reach(model, a, margin)
     for node in range(c.node_start[a], c.node_start[a + 1]):
         find_feet(model, q, wide, table, i, j, b, node)
         area = common_area(model, memory, node)
@@ -109,6 +116,31 @@ def faces_touch(
             n += 1
         forget(memory, count)
     return n
+
+
+@kernel
+def weigh_entry(
+    model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int, a: int, b: int, weights: FloatArray
+) -> int:
+    """Material points of which the means of entry k, of faces a and b, are sums: how many, listed in its memory.
+
+    Rows of ``weights`` are theirs in each of its four means. q: of the table.
+    """
+    c, memory = model.contacts, table.faces
+    node = table.key[k] // len(c.feature_kind)
+    i, j = frame_of(model.bodies, q, c.surface_body[a]), frame_of(model.bodies, q, c.surface_body[b])
+    memory.search += 1
+    find_feet(model, q, sample_reach(model, a, max(0.0, table.gap[k])), table, i, j, b, node)
+    area = common_area(model, memory, node)
+    if not area > 0.0:
+        return 0
+    count = weigh(model, memory, node, area)
+    blend(memory, count, area)
+    for at in range(count):
+        for which in range(4):
+            weights[at, which] = memory.weight[memory.listed[at], which]
+    forget(memory, count)
+    return count
 
 
 @kernel

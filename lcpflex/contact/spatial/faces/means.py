@@ -25,7 +25,7 @@ from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import IDENTITY, added, apart_from, dot, norm, row_vector, scaled
 from lcpflex.model.spatial import N_RIGID, SpatialModel
 
-__all__ = ["common_area", "forget", "gap_of_means", "lay_means", "weigh"]
+__all__ = ["blend", "common_area", "forget", "gap_of_means", "lay_means", "weigh"]
 
 S, M, T1, T2 = range(4)  # columns of the weights
 
@@ -182,15 +182,25 @@ def lay_mean_of(
 
 
 @kernel
-def lay_means(
-    model: SpatialModel, memory: FaceMemory, count: int, k: int, bodies: tuple[int, int], area: float
-) -> None:
-    """The four material points of entry k: S, and M, M + l T_1 and M + l T_2 with the length l of the area."""
+def blend(memory: FaceMemory, count: int, area: float) -> int:
+    """Make the weights of the tangents those of M + l T_1 and M + l T_2, l: length of the area; points of the slave.
+
+    These are the first of those that are listed.
+    """
     size = math.sqrt(area)
     own = part_points(memory, count)
     for at in range(own, count):
         w = memory.weight[memory.listed[at]]
         w[T1], w[T2] = w[M] + size * w[T1], w[M] + size * w[T2]
+    return own
+
+
+@kernel
+def lay_means(
+    model: SpatialModel, memory: FaceMemory, count: int, k: int, bodies: tuple[int, int], area: float
+) -> None:
+    """The four material points of entry k: S, and M, M + l T_1 and M + l T_2 with the length l of the area."""
+    own = blend(memory, count, area)
     lay_mean_of(model, memory, (0, own), k, S, bodies[0])
     for which in range(M, T2 + 1):
         lay_mean_of(model, memory, (own, count), k, which, bodies[1])

@@ -15,7 +15,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, pack, struct
 from lcpflex.model.spatial import SpatialPoints, material_points
 
-__all__ = ["FaceMemory", "FaceSizes", "copy_means", "face_memory", "face_sizes", "mean_of"]
+__all__ = ["EACH", "MEANS", "FaceMemory", "FaceSizes", "copy_means", "face_memory", "face_sizes", "mean_of"]
 
 MEANS = 4  # material points of an entry
 EACH = 2  # numbers of points that one takes: what offsets of modes begin at the one behind it is no point
