@@ -134,8 +134,10 @@ def check_result(result: Result, setup: Setup, run: Run) -> Result:
     if result.compiled is not None and len(getattr(result.compiled.model.contacts, "cell_point", ())):
         from lcpflex.checks.below_faces import sunk_below_faces  # of solids alone
         from lcpflex.checks.face_rims import reached_rims
+        from lcpflex.checks.shared_areas import wrong_areas
 
-        result = replace(result, warnings=(*result.warnings, *sunk_below_faces(result), *reached_rims(result)))
+        told = (*sunk_below_faces(result), *reached_rims(result), *wrong_areas(result))
+        result = replace(result, warnings=(*result.warnings, *told))
     step = getattr(run, "fixed_step", 0.0)
     result = with_axial_loads(_with_shared_bodies(result, step))
     if (calls := setup.system.calls) is not None:

@@ -32,6 +32,7 @@ __all__ = ["depth_along", "depth_below", "depth_of", "faces_touch", "weigh_entry
 
 LEAST = 1e-3  # of an area that must be common: what is less hangs on a sample at its rim, and would be no mean
 BESIDE = 2.0  # lengths of an area: how far above the margin one of its samples may be, if the mean is within it
+ROUNDING = 1e-5  # of a surface: a node so little above a facet is not below those beside it, whose slack is less
 MOST_PLACES = 64.0  # of a line that are looked at
 
 
@@ -185,7 +186,8 @@ def depth_of(model: SpatialModel, q: FloatArray, table: SpatialContactTable, s: 
                 radius, away = c.feature_radius[first], norm(apart_from(place, center))
                 depth = radius - (away if radius >= 0.0 else -away)
             else:
-                find_foot(model, q, 0.0, table, j, b, 0, seen_from(j, place), outward)
+                above = ROUNDING * c.surface_extent[b]
+                find_foot(model, q, above, table, j, b, 0, seen_from(j, place), outward)
                 depth = -memory.gap[0] if memory.foot_on[0] >= 0 else 0.0
             deepest = max(deepest, depth)
     return deepest
