@@ -160,7 +160,7 @@ class Solid:
 
     @classmethod
     def ball(cls, radius: float, size: float, *, near: Near | None = None, **material: Any) -> Solid:
-        """A ball about the origin, of hexahedra of eight nodes.
+        """A ball about the origin, of hexahedra of eight nodes; ``near`` with one place costs few of them.
 
         Its nodes lie on the ball: volume and mass are below those of it, by 6.5 % with a size of half the radius, 1.7 %
         with a fifth of it.

@@ -14,12 +14,21 @@ from lcpflex.bodies.fem.grading import ELEMENTS
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray
 
-__all__ = ["Pull", "Spot", "lines_between", "refuse_many", "spots_of"]
+__all__ = ["Axis", "Pull", "Spot", "lines_between", "refuse_many", "spots_of"]
 
 GROWTH = 0.25  # of the size of elements with the distance from a place: neighbours differ by exp(.25) = 1.28
 WITHIN = 8.0  # finest elements up to which they stay so: a radius of contact of 5 gives pressures to 3 %, and a margin
 SAMPLES = 1000  # of the distances from a place, geometric: sizes between them are wrong by 1e-4 at most
 ROUNDING = 1e-9  # of a number of elements: so much above a whole number is no reason for one more
+
+
+class Axis(NamedTuple):
+    """One direction of lines."""
+
+    low: float
+    high: float
+    metric: float  # metres a unit of the coordinate, where they are most
+    least: int  # elements
 
 
 class Spot(NamedTuple):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -11,11 +11,17 @@ import numpy as np
 from lcpflex.bodies.fem.mesh import KINDS, Mesh
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["BoolArray", "boundary_quads", "grid_cells", "layered", "with_faces"]
+__all__ = ["BoolArray", "boundary_quads", "grid", "grid_cells", "layered", "with_faces"]
 
 BoolArray: TypeAlias = np.ndarray[Any, np.dtype[np.bool_]]
 
 HEXAHEDRON = KINDS["hexahedron"]
+
+
+def grid(lines: Sequence[FloatArray]) -> tuple[FloatArray, IntArray]:
+    """(N, 3) coordinates of the crossings of lines, and their numbers (nx + 1, ny + 1, nz + 1)."""
+    places = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 3)
+    return places, np.arange(len(places)).reshape([len(line) for line in lines])
 
 
 def grid_cells(numbers: IntArray) -> IntArray:

@@ -5,43 +5,27 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 
-from lcpflex.bodies.fem.hex_mesh import BoolArray, boundary_quads, grid_cells, layered, with_faces
+from lcpflex.bodies.fem.graded_lines import Axis, Spot
+from lcpflex.bodies.fem.hex_mesh import BoolArray, boundary_quads, grid, grid_cells, layered, with_faces
 from lcpflex.bodies.fem.mesh import Mesh
+from lcpflex.bodies.fem.polar_ball import ROUND, PolarBall
 from lcpflex.bodies.fem.round_map import CORE, RoundMap
-from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.kernel import FloatArray
 
-__all__ = ["Block", "Round", "Shape", "Tube"]
+__all__ = ["Block", "Grid", "Round", "Shape", "Tube"]
 
 SIDES = (("left", "right"), ("front", "back"), ("bottom", "top"))
 
 
-class Axis(NamedTuple):
-    """One direction of lines."""
-
-    low: float
-    high: float
-    metric: float  # metres a unit of the coordinate, where they are most
-    least: int  # elements
-
-
-class Shape(Protocol):
-    """A shape that can be meshed."""
-
-    def turned_to(self, place: FloatArray) -> Shape:
-        """The shape with its lines as they suit a place best."""
-
-    def names(self) -> tuple[str, ...]:
-        """Of its faces."""
+class Grid(Protocol):
+    """Lines whose crossings are nodes."""
 
     def axes(self) -> tuple[Axis, ...]:
         """Its directions of lines."""
-
-    def onto(self, place: FloatArray) -> FloatArray:
-        """(3,) the nearest place of the surface."""
 
     def pulled(self, place: FloatArray) -> list[tuple[int, float, float, float]]:
         """What a place of the surface does to lines: direction; at, away and metric of a :class:`Pull`."""
@@ -51,6 +35,22 @@ class Shape(Protocol):
 
     def mesh(self, lines: Sequence[FloatArray]) -> Mesh:
         """The mesh on lines of each direction."""
+
+
+class Shape(Grid, Protocol):
+    """A shape that can be meshed."""
+
+    def turned_to(self, place: FloatArray) -> Shape:
+        """The shape with its lines as they suit a place best."""
+
+    def shells(self, spot: Spot, size: float) -> list[Grid]:
+        """Grids with shells about a place, of elements of a size at most."""
+
+    def names(self) -> tuple[str, ...]:
+        """Of its faces."""
+
+    def onto(self, place: FloatArray) -> FloatArray:
+        """(3,) the nearest place of the surface."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,6 +63,10 @@ class Block:
     def turned_to(self, place: FloatArray) -> Block:
         """Itself."""
         return self
+
+    def shells(self, spot: Spot, size: float) -> list[Grid]:
+        """None."""
+        return []
 
     def names(self) -> tuple[str, ...]:
         """Names: "left" to "top"."""
@@ -90,7 +94,7 @@ class Block:
 
     def mesh(self, lines: Sequence[FloatArray]) -> Mesh:
         """A grid."""
-        places, numbers = _grid(lines)
+        places, numbers = grid(lines)
         on: dict[str, BoolArray] = {}
         for k, names in enumerate(SIDES):
             on |= {names[0]: places[:, k] == lines[k][0], names[1]: places[:, k] == lines[k][-1]}
@@ -109,6 +113,10 @@ class Tube:
     def turned_to(self, place: FloatArray) -> Tube:
         """With its seam at the angle of a place."""
         return replace(self, seam=math.atan2(place[1], place[0]))
+
+    def shells(self, spot: Spot, size: float) -> list[Grid]:
+        """None."""
+        return []
 
     def names(self) -> tuple[str, ...]:
         """Names: "inner" to "top"."""
@@ -143,7 +151,7 @@ class Tube:
     def mesh(self, lines: Sequence[FloatArray]) -> Mesh:
         """A grid whose last angle is its first."""
         angle, radius, z = lines
-        polar, numbers = _grid([angle[:-1], radius, z])
+        polar, numbers = grid([angle[:-1], radius, z])
         places = np.stack([polar[:, 1] * np.cos(polar[:, 0]), polar[:, 1] * np.sin(polar[:, 0]), polar[:, 2]], axis=1)
         cells = grid_cells(np.concatenate([numbers, numbers[:1]]).transpose(1, 0, 2))
         names, of = ("inner", "outer", "bottom", "top"), (polar[:, 1], polar[:, 1], polar[:, 2], polar[:, 2])
@@ -174,6 +182,17 @@ class Round:
         a = math.copysign(1.0, place[k]) * np.eye(d)[k]
         about = np.outer(b, a) - np.outer(a, b)
         return replace(self, turn=np.eye(d) + about + about @ about / (1.0 + float(a @ b)))
+
+    def shells(self, spot: Spot, size: float) -> list[Grid]:
+        """Of a ball."""
+        R = self.map.radius
+        within = max(spot.radius, math.ceil(R / size) * spot.finest)  # no smaller for being as many as at the antipode
+        if self.map.d == 2 or ROUND * within > 2.0 * R:
+            return []
+        k = int(np.abs(spot.place).argmax())
+        axes = np.roll(self.turned_to(spot.place).turn, 2 - k, axis=1)  # the last one from the place or towards it
+        axes = axes[:, [1, 0, 2]] * [1.0, 1.0, -1.0] if spot.place[k] > 0.0 else axes
+        return [PolarBall(R, spot.radius, within, axes)]
 
     def names(self) -> tuple[str, ...]:
         """Names: "surface", or "side" to "top"."""
@@ -212,7 +231,7 @@ class Round:
     def mesh(self, lines: Sequence[FloatArray]) -> Mesh:
         """A grid for the core, and its sides drawn outwards."""
         *core, through = lines
-        q, numbers = _grid(core)
+        q, numbers = grid(core)
         cells = grid_cells(numbers)
         quads, d = boundary_quads(cells), self.map.d
         on_side = np.abs(q[:, :d]) == 1.0
@@ -225,9 +244,3 @@ class Round:
             return with_faces(places, cells, {"surface": t == 1.0})
         ends = lines[2][0], lines[2][-1]
         return with_faces(places, cells, {"side": t == 1.0, "bottom": q[:, 2] == ends[0], "top": q[:, 2] == ends[1]})
-
-
-def _grid(lines: Sequence[FloatArray]) -> tuple[FloatArray, IntArray]:
-    """(N, 3) coordinates of the crossings of lines, and their numbers (nx + 1, ny + 1, nz + 1)."""
-    places = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 3)
-    return places, np.arange(len(places)).reshape([len(line) for line in lines])

@@ -4,7 +4,8 @@ Elements are as long as ``size`` at most. ``near`` makes them smaller towards pl
 expected: name -> (place, finest) or (place, finest, radius). Within ``radius`` [m] of the place (8 ``finest`` if
 omitted) their edges are at most ``finest`` long, and neighbours grow by 1.28 from there. The quadrilaterals of the
 boundary within that radius are the face ``name``. A place must be on the surface, to ``finest``. Small elements go
-on along their lines, through the whole body: no node hangs on an edge.
+on along their lines, through the whole body: no node hangs on an edge. A ball with one place has shells about it
+instead, from there to its antipode, where these are fewer elements.
 
 A radius of contact of five elements gives the pressure of Hertz's contact to 3 %, three its force and size.
 
@@ -32,7 +33,7 @@ from lcpflex.bodies.fem.faces import SURFACE
 from lcpflex.bodies.fem.graded_lines import Pull, Spot, lines_between, refuse_many, spots_of
 from lcpflex.bodies.fem.mesh import Mesh
 from lcpflex.bodies.fem.round_map import RoundMap
-from lcpflex.bodies.fem.shape_grids import Block, Round, Shape, Tube
+from lcpflex.bodies.fem.shape_grids import Block, Grid, Round, Shape, Tube
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 
@@ -111,7 +112,7 @@ def tube(inner: float, outer: float, length: float, size: float, *, near: Any = 
 
 
 def ball(radius: float, size: float, *, near: Any = None) -> Mesh:
-    """A ball about the origin: a core of bent cubes, and layers around it. Face "surface".
+    """A ball about the origin: a core of bent cubes and layers around it, or shells about a place. Face "surface".
 
     Parameters
     ----------
@@ -148,10 +149,12 @@ def _meshed(shape: Shape, size: Any, near: Any) -> Mesh:
     """The mesh, made again with closer lines where its elements came out too long."""
     largest = positive("size", size)
     spots = [_on_surface(shape, spot) for spot in spots_of(near, largest, {*shape.names(), SURFACE})]
-    shape = shape.turned_to(spots[0].place) if spots else shape
     asked, finest = largest, [spot.finest for spot in spots]
+    grid = min(_grids(shape, spots, largest), key=lambda grid: _count(grid, _lines(grid, asked, spots, finest)))
     for attempt in range(ROUNDS):
-        mesh = shape.mesh(_lines(shape, asked, spots, finest))
+        lines = _lines(grid, asked, spots, finest)
+        refuse_many(_count(grid, lines), "near" if spots else "size")
+        mesh = grid.mesh(lines)
         edges = mesh.longest_edges()
         excess = [_longest_at(mesh, edges, spot) / spot.finest for spot in spots]
         if max([edges.max() / largest, *excess]) <= 1.0 + EXCESS:
@@ -160,6 +163,17 @@ def _meshed(shape: Shape, size: Any, near: Any) -> Mesh:
         finest = [value / _closer(times, attempt) for value, times in zip(finest, excess, strict=True)]
     named = {spot.name: _face_at(mesh, spot) for spot in spots}
     return replace(mesh, faces={**mesh.faces, **named})
+
+
+def _grids(shape: Shape, spots: list[Spot], size: float) -> list[Grid]:
+    """What the shape can be meshed on."""
+    if not spots:
+        return [shape]
+    return [shape.turned_to(spots[0].place), *(shape.shells(spots[0], size) if len(spots) == 1 else [])]
+
+
+def _count(grid: Grid, lines: list[FloatArray]) -> int:
+    return grid.count([len(line) - 1 for line in lines])
 
 
 def _closer(times: float, attempt: int) -> float:
@@ -179,20 +193,18 @@ def _on_surface(shape: Shape, spot: Spot) -> Spot:
     return spot._replace(place=there)
 
 
-def _lines(shape: Shape, size: float, spots: list[Spot], finest: list[float]) -> list[FloatArray]:
-    """Of each direction; refuses more elements than there may be."""
-    axes = shape.axes()
+def _lines(grid: Grid, size: float, spots: list[Spot], finest: list[float]) -> list[FloatArray]:
+    """Of each direction."""
+    axes = grid.axes()
     pulls: list[list[Pull]] = [[] for _ in axes]
     for spot, edge in zip(spots, finest, strict=True):
-        for axis, at, away, metric in shape.pulled(spot.place):
+        for axis, at, away, metric in grid.pulled(spot.place):
             within = (spot.radius + spot.finest) * spot.finest / edge  # wider, too, where curves made edges too long
             pulls[axis].append(Pull(at, away, metric, edge, within))
-    lines = [
+    return [
         lines_between(axis.low, axis.high, size / axis.metric, axis.least, of)
         for axis, of in zip(axes, pulls, strict=True)
     ]
-    refuse_many(shape.count([len(line) - 1 for line in lines]), "near" if spots else "size")
-    return lines
 
 
 def _longest_at(mesh: Mesh, edges: FloatArray, spot: Spot) -> float:

@@ -203,6 +203,18 @@ class TestNear:
             assert mesh.longest_edges()[inside].max() <= finest * (1.0 + 1e-9)
             assert np.linalg.norm(mesh.places[mesh.faces[name]] - place, axis=2).min() < 1e-12
 
+    def test_a_ball_has_shells_about_one_place(self):
+        place = np.array([0.0, 0.0, -0.5])
+        one = ball(0.5, 0.15, near={"c": (place, 0.002, 0.006)})
+        two = ball(0.5, 0.15, near={"c": (place, 0.002, 0.006), "d": (-place, 0.15)})
+        assert len(one.cells) < 5000 < 10 * len(one.cells) < len(two.cells)
+        for mesh in (one, two):
+            inside = (np.linalg.norm(mesh.places - place, axis=1) <= 0.006)[mesh.cells].any(axis=1)
+            assert mesh.longest_edges()[inside].max() <= 0.002 * (1.0 + 1e-9)
+            assert mesh.longest_edges().max() <= 0.15 * (1.0 + 1e-9)
+            assert scaled_jacobians(mesh).min() > 0.65
+            assert moments(mesh)[0] == pytest.approx(math.pi / 6.0, rel=0.03)
+
     def test_a_place_beside_the_surface_is_put_onto_it(self):
         there = ball(0.5, 0.1, near={"c": ((0.0, 0.0, -0.5), 0.02)})
         beside = ball(0.5, 0.1, near={"c": ((0.0, 0.0, -0.505), 0.02)})
@@ -241,7 +253,7 @@ REFUSED = {
     r"size: a mesh of 1e\+09": lambda: box((1, 1, 1), 1e-3),
     r"size: a mesh of 1e\+40": lambda: box((1, 1, 1), 1e-40),
     "size: a mesh of": lambda: ball(1.0, 1e-3),
-    "near: a mesh of": lambda: ball(1.0, 0.1, near={"c": ((0, 0, 1), 1e-5)}),
+    "near: a mesh of": lambda: ball(1.0, 0.1, near={"c": ((0, 0, 1), 1e-5), "d": ((0, 0, -1), 1e-5)}),
     "radius: -1": lambda: ball(-1, 0.1),
     "outer: 0.5": lambda: tube(0.5, 0.5, 1.0, 0.1),
     "near: 3": lambda: ball(1.0, 0.1, near=3),
