@@ -10,10 +10,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from lcpflex.basics.arguments import one_of
 from lcpflex.errors import ModelError, shown
+from lcpflex.scene.face_sizes import face_area, sizes_where_near
 
 if TYPE_CHECKING:
     from lcpflex.scene.declared import DeclaredContact
@@ -42,23 +41,9 @@ def is_face(surface: PlacedSurface) -> bool:
 
 
 def finer_of(a: PlacedSurface, b: PlacedSurface) -> PlacedSurface:
-    """The face with the smaller sub-faces; the first of equal ones."""
-    return b if _mean_area(b.shape) < _mean_area(a.shape) * (1.0 - EQUAL) else a
-
-
-def _mean_area(shape: Any) -> float:
-    """Of the sub-faces of a face [m^2]."""
-    from lcpflex.bodies.fem.faces import HAT_PARTS  # which scenes without faces do without
-
-    return _area(shape) / sum(len(HAT_PARTS[len(cell)]) for cell in shape.cells)
-
-
-def _area(shape: Any) -> float:
-    """Of a face [m^2]."""
-    places = np.array([point.place for point in shape.points])
-    corners = places[shape.triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return float(0.5 * np.linalg.norm(normals, axis=1).sum())
+    """The face with the smaller sub-faces, of graded ones where they are near each other; the first of equal ones."""
+    own, other = sizes_where_near(a, b)
+    return b if other < own * (1.0 - EQUAL) else a
 
 
 def touching_points(a: PlacedSurface, b: PlacedSurface, node_side: PlacedSurface | None, points: Any) -> str:
@@ -92,14 +77,14 @@ def doubtful_node_sides(contacts: Mapping[str, DeclaredContact]) -> Iterator[str
         if all(is_face(one) for one in contact.pair) and contact.node_side is not None:
             own = contact.node_side
             other = next(one for one in contact.pair if one.label != own.label)
-            coarse, fine = _mean_area(own.shape), _mean_area(other.shape)
+            coarse, fine = sizes_where_near(own, other)
             if coarse > fine * COARSER:
                 yield (
                     f"contact {name!r}: node_side {own.label!r} is the coarser face, with sub-faces of {coarse:.3g} "
                     f"m^2 on those of {fine:.3g} m^2 of {other.label!r}: pressures come out several times less "
                     "accurate than with the finer face as node_side, which is the default"
                 )
-            if contact.points == "nodes" and _area(own.shape) > _area(other.shape) * (1.0 + EQUAL):
+            if contact.points == "nodes" and face_area(own.shape) > face_area(other.shape) * (1.0 + EQUAL):
                 yield (
                     f"contact {name!r}: the nodes of {own.label!r} touch {other.label!r}, which is smaller: what of it "
                     "is between a node on it and one beside it is not felt; expected points='areas', which share it, "

@@ -10,10 +10,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
 from lcpflex.bodies.spatial.surface import SpatialKind
 from lcpflex.scene.contact_rules import by_rules
+from tests.pressed_solids import grid_block
 from tests.solid_meshes import QUIET, STEEL, solid
 
 UP = (0.0, 0.0, 1.0)
@@ -119,6 +121,35 @@ def test_the_finer_of_two_faces_is_the_node_side() -> None:
     twin = scene.add(box(0.025).reduce(0), "twin", (0, 0, -0.06))
     name = scene.contact(twin.face("top"), low.face("bottom"))
     assert scene.parts().contacts[name].node_side is twin.face("top")
+
+
+def plates() -> tuple[lf.SpatialBody, lf.SpatialBody]:
+    """One of 100 mm with sub-faces from 2 mm in its middle to 30 mm at its rim, 11 in the mean; one of 24 mm with 8."""
+    steps, even = np.array([-50.0, -20.0, -8.0, -3.0, -1.0, 1.0, 3.0, 8.0, 20.0, 50.0]), np.linspace(-12.0, 12.0, 4)
+    thick = np.array([-5.0, 5.0])
+    meshes = (grid_block("hexahedron", [1e-3 * line for line in (own, own, thick)]) for own in (steps, even))
+    ends = {"top": lambda x, y, z: z > 4.9e-3, "bottom": lambda x, y, z: z < -4.9e-3}
+    graded, small = (lf.Solid(mesh, sets=ends, **STEEL).reduce(0) for mesh in meshes)
+    return graded, small
+
+
+@QUIET
+@pytest.mark.parametrize(("offset", "finer"), [(0.0, "graded"), (0.035, "small")])
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_graded_face_is_as_fine_as_where_the_other_one_is(offset: float, finer: str, turned: bool) -> None:
+    """In its middle it is finer than another one that has smaller sub-faces in the mean; not at its rim."""
+    turn = Rotation.from_euler("z", 0.5 * np.pi) if turned else Rotation.identity()
+    graded, small = plates()
+    for by_choice in (False, True):
+        scene = lf.SpatialScene()
+        low = scene.add(graded, "graded", (0.3, -0.1, 0.0), orientation=turn).face("top")
+        high = scene.add(small, "small", (0.3 + offset, -0.1 - offset, 0.0101)).face("bottom")
+        other = low if finer == "small" else high
+        name = scene.contact(low, high, node_side=other if by_choice else None)
+        taken = scene.parts().contacts[name].node_side
+        assert taken is (other if by_choice else low if other is high else high)
+        told = [text for text in scene.compiled().warnings if f"node_side {other.label!r} is the coarser face" in text]
+        assert bool(told) is by_choice
 
 
 @pytest.mark.parametrize(
