@@ -79,7 +79,8 @@ def _told(result: Result, compiled: CompiledScene, w: int) -> str:
         return (
             f"{name}: at t = {result.times[at[1]]:.6g} s a node of the face is {worst[1]:.3g} m below the other "
             f"surface, which none of its areas, about {wide:.3g} m wide, feels: expected points='nodes', or the whole "
-            "surface of the body, body.surface(), where a body lands on its corners or edges, or a finer mesh there"
+            "surface of the body, body.surface(), where a body lands on its corners or edges or tips over them (the "
+            "last of its areas bears at its middle, a third of an element inside), or a finer mesh there"
         )
     return ""
 

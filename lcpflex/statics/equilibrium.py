@@ -35,6 +35,11 @@ NEAR = 1e-4  # residual from which on the place of rest is looked for by Newton'
 THERE = 1e-9  # residual at which an unstable place is where the path ends, and is not just passed by
 MOST_STEPS = 4000
 MOST_COORDINATES = 1500  # which take minutes
+IN_SPACE = (
+    "expected a Scene. In space a run comes to rest: damp what swings (damping= of reduced bodies, dampers), take "
+    "simulate(scene, duration, MoreauJean(step, theta=1.0)) for vibrations of flexible bodies, and start from its end "
+    "(initial=result)"
+)
 STILL = 1e-12  # [rad/s], or in sizes of the scene [1/s]: a drive that is slower stands
 
 
@@ -181,7 +186,7 @@ def _with_axial_loads(found: Rest, time: float) -> Rest:
 
 def _compiled(scene: Any) -> CompiledScene:
     """Of rigid contacts alone, each of a rule listed."""
-    refuse_space("equilibrium", scene)
+    refuse_space("equilibrium", scene, instead=IN_SPACE)
     if not isinstance(scene, Scene):
         raise ModelError(f"scene: {shown(scene)} was given, expected a Scene")
     compiled = compiled_scene(scene, True, None, False, listed=True)

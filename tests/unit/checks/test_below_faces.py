@@ -129,3 +129,24 @@ def test_what_is_on_the_far_side_of_a_plate_is_not_below_its_face() -> None:
     high = scene.add(solid.reduce(0), position=(0.001, 0.002, 0.01))
     scene.contact(low.face("top"), high.face("top"))
     assert not [w for w in lf.simulate(scene, 1e-3, lf.MoreauJean(step=1e-4)).warnings if " below the " in w]
+
+
+@pytest.mark.filterwarnings("ignore::lcpflex.ModelWarning")
+@pytest.mark.parametrize(
+    ("points", "lever", "tips"),
+    [("areas", 0.82, False), ("areas", 0.85, True), ("nodes", 0.99, False), ("nodes", 1.01, True)],
+)
+def test_a_block_tips_at_its_rim_by_nodes_and_a_third_of_an_element_inside_by_areas(
+    points: str, lever: float, tips: bool
+) -> None:
+    """Of four elements along half of which the weight acts, by a part ``lever``: 1 - 2/12 by areas. That is told."""
+    scene = lf.SpatialScene(gravity=(9.81 * lever, 0.0, -9.81))
+    mesh = meshed_block("hexahedron", (0.1, 0.1, 0.1), (4, 4, 2))
+    body = scene.add(lf.Solid(mesh, **STEEL, sets={"low": lambda x, y, z: z < 1e-6}).reduce(0), position=(0, 0, 0.05))
+    plane = scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    scene.contact(body.face("low"), plane, points=points, friction=2.0)
+    result = lf.simulate(scene, 0.4, lf.MoreauJean(step=2e-3), record=0.05)
+    turned = 2.0 * np.arccos(min(1.0, abs(float(result.q[-1, 3]))))
+    assert bool(turned > 0.05) is tips
+    told = [warning for warning in result.warnings if "tips over them" in warning]
+    assert bool(told) is (tips and points == "areas")

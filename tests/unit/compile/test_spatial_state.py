@@ -69,6 +69,14 @@ def test_what_is_made_for_the_plane_says_so(ask, what: str) -> None:  # type: ig
         ask(thrown("box"))
 
 
+@pytest.mark.parametrize("ask", [lf.equilibrium, lf.equilibria])
+def test_what_to_do_for_a_place_of_rest_in_space_is_said(ask) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(
+        ModelError, match=r"In space a run comes to rest: .*MoreauJean\(step, theta=1.0\).*initial=result"
+    ):
+        ask(thrown("box"))
+
+
 def test_a_study_of_work_and_precision_sees_a_spatial_motion() -> None:
     study = lf.studies.work_precision(
         lambda: thrown("box"), {"MJ": [lf.MoreauJean(1e-2), lf.MoreauJean(5e-3)]}, duration=0.2,
