@@ -30,6 +30,8 @@ class BoundaryScheme:
     load: FloatArray = array("nq")  # static coordinates that forces and torques of the scene make
     load_before: FloatArray = array("nq")  # those of the step before
     loaded: int  # 1: there may be some
+    foreseen: FloatArray = array("foreseen")  # configuration about which contacts were looked for, in space
+    reach: float  # how far its static coordinates may be from the solution [m]
     turn_start: IntArray  # (bodies + 1,) offsets into turn; equal where the coordinates of a body are its own
     turn: FloatArray  # flat matrices T, row-major, of frame (3, in space 6) and modes (lcpflex.dynamics.held_modes)
     acceleration: FloatArray = array("ndof")

@@ -31,7 +31,6 @@ from lcpflex.dynamics.position import (
     solve_position,
     split_forces,
     static_response,
-    static_sway,
 )
 from lcpflex.dynamics.stable_step import admissible
 from lcpflex.dynamics.workspace import Workspace
@@ -43,6 +42,7 @@ from lcpflex.model.arrays import Model
 from lcpflex.steppers.clock import StepClock, StepCount
 from lcpflex.steppers.massless_boundary.booked import audit, note_forces
 from lcpflex.steppers.massless_boundary.memory import BoundaryScheme
+from lcpflex.steppers.massless_boundary.reach import has_strayed, look_around
 from lcpflex.steppers.massless_boundary.static_loads import book_loads, load_static_modes
 from lcpflex.steppers.massless_boundary.stored import turn_back
 from lcpflex.steppers.passing import set_out
@@ -79,8 +79,8 @@ def predict(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Work
             scheme.joined[i] = work.scratch.velocity[i] / h
             work.free.u[i] += scheme.joined[i]
     load_static_modes(model, scheme, t, work)
-    deflection = static_sway(model, scheme.flexibility, q) + static_sway(model, scheme.flexibility, work.free.middle)
-    return detect(model, work.free.middle, scheme.gap_tolerance + deflection, work.rows.table)
+    margin = scheme.gap_tolerance + look_around(model, scheme, work)
+    return detect(model, work.free.middle, margin, work.rows.table)
 
 
 @kernel
@@ -328,6 +328,8 @@ def boundary_step(
         if clock.number > len(work.rows.table.key) or clock.number > len(work.posed.problem.friction):
             return RunStatus.GROW
         status = solve_contact_forces(model, scheme, h, int(clock.number), work, clock)
+        if has_strayed(model, scheme, work):
+            continue
         if status == RunStatus.DONE:
             break
         if status != RunStatus.PART:

@@ -271,6 +271,7 @@ class MasslessBoundary:
                 "laws": len(compliance.soft),
                 "sums": sums_of_contacts(model),
                 "carried": len(model.bodies.mass) if is_spatial(model) else 0,
+                "foreseen": len(system.q) if is_spatial(model) else 0,
             },
             step=step,
             safety=self.safety,
