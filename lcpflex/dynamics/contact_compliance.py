@@ -18,6 +18,7 @@ import numpy as np
 from lcpflex.contact.concave_corners import YIELDED, yield_to_deeper
 from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics.contact_forces import pair_energy, pair_force, pair_stiffness
+from lcpflex.dynamics.contact_problem import rows_of_each
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.elastic.kernels import indentation_at
 from lcpflex.force_laws.history import ContactMemory, contact_memory
@@ -94,7 +95,7 @@ def soften(compliance: ContactCompliance, work: Workspace, n: int, size: int) ->
     for k in range(n):
         if work.scratch.closed[k] == FOLLOWS:
             largest = max(largest, law_force(compliance, work, k))
-    wide = 2 * work.rows.across - 1  # rows of the problem from one normal to the next
+    wide = rows_of_each(work)
     for k in range(n):
         normal = wide * k
         law = work.rows.table.law[k]

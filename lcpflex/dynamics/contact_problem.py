@@ -26,6 +26,7 @@ __all__ = [
     "list_tangents",
     "pose_island",
     "pose_rows",
+    "rows_of_each",
     "take_forces",
 ]
 
@@ -96,6 +97,12 @@ def pose_island(work: Workspace, i: int, like: Vector) -> None:
             for s in range(m):
                 if 0 <= part[s] < work.rows.n_contacts:
                     free[r] -= G[r, s] * counted[part[s]]
+
+
+@kernel
+def rows_of_each(work: Workspace) -> int:
+    """Rows of the problem posed from one normal to the next: in space three, or where nothing rubs one."""
+    return 2 * work.rows.across - 1 if work.posed.problem.n_tangents > 0 else 1
 
 
 @in_space("lcpflex.dynamics.spatial.contact_blocks")

@@ -10,6 +10,8 @@ Joints are condensed by :mod:`lcpflex.dynamics.joint_response`.
 
 from __future__ import annotations
 
+from typing import Any
+
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.semidefinite import dot
 
@@ -18,6 +20,7 @@ __all__ = [
     "delassus",
     "free_velocities",
     "row_velocity",
+    "spread",
 ]
 
 
@@ -97,3 +100,15 @@ def apply_impulses(
                     d = dof[b]
                     for k in range(dof[b + 1] - d):
                         u[d + k] += solved[r, i, k] * p[r]
+
+
+@kernel
+def spread(work: Any, flexibility: FloatArray, first: int, last: int) -> None:
+    """solved[r] <- displacement by a unit force on row r as each coordinate gives way, for first <= r < last."""
+    for r in range(first, last):
+        for i in range(2):
+            b = work.rows.body[r, i]
+            if b >= 0:
+                d = work.rows.dof[b]
+                for k in range(work.rows.dof[b + 1] - d):
+                    work.rows.solved[r, i, k] = flexibility[d + k] * work.rows.J[r, i, k]

@@ -16,8 +16,8 @@ Source: Monjaraz-Tec, Gross & Krack 2022 (massless boundary).
 from __future__ import annotations
 
 from lcpflex.dynamics.contact_compliance import ContactCompliance, soften
-from lcpflex.dynamics.contact_problem import describe_contacts, lay_as_one
-from lcpflex.dynamics.delassus import delassus, row_velocity
+from lcpflex.dynamics.contact_problem import describe_contacts, lay_as_one, rows_of_each
+from lcpflex.dynamics.delassus import delassus, row_velocity, spread
 from lcpflex.dynamics.mechanics import contact_biases, count_rows, fill_contact_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
@@ -65,9 +65,9 @@ def static_sway(model: Model, flexibility: FloatArray, q: FloatArray) -> float:
 
 @kernel
 def static_part(model: Model, work: Workspace, flexibility: FloatArray, r: int, q: FloatArray) -> float:
-    """Share of the static coordinates in what row r sees of q [m]."""
+    """Share of the static coordinates in what row r sees of q [m]; (0,): there are none."""
     total = 0.0
-    for i in range(2):
+    for i in range(2 if len(q) > 0 else 0):
         b = work.rows.body[r, i]
         if b >= 0:
             d, e = first_rate(model, b), first_amplitude(model, b)
@@ -82,12 +82,12 @@ def static_part(model: Model, work: Workspace, flexibility: FloatArray, r: int, 
 def held_give(model: Model, work: Workspace, flexibility: FloatArray, held: FloatArray, r: int) -> float:
     """What row r gives way by itself [m/N]: what static modes lack of a part of the compliance of those that are held.
 
-    ``held`` (ndof,) 1/omega^2 of the modes that joints and springs hold, else 0. Where these act, static modes do not
-    move: what has mass would strike there.
+    ``held`` (ndof,) 1/omega^2 of the modes that joints and springs hold, else 0; (0,): none are. Where these act,
+    static modes do not move: what has mass would strike there.
     """
     total = 0.0
     static = 0.0
-    for i in range(2):
+    for i in range(2 if len(held) > 0 else 0):
         b = work.rows.body[r, i]
         if b >= 0:
             d = work.rows.dof[b]
@@ -136,16 +136,15 @@ def given_energy(model: Model, work: Workspace, flexibility: FloatArray, held: F
     return total
 
 
+@in_space("lcpflex.dynamics.spatial.contact_blocks")
 @kernel
-def spread(work: Workspace, flexibility: FloatArray, first: int, last: int) -> None:
-    """solved[r] <- static displacement by a unit force on row r, for first <= r < last."""
-    for r in range(first, last):
-        for i in range(2):
-            b = work.rows.body[r, i]
-            if b >= 0:
-                d = work.rows.dof[b]
-                for k in range(work.rows.dof[b + 1] - d):
-                    work.rows.solved[r, i, k] = flexibility[d + k] * work.rows.J[r, i, k]
+def fill_compliance(
+    model: Model, q: FloatArray, work: Workspace, flexibility: FloatArray, size: int, G: FloatArray
+) -> None:
+    """G of the ``size`` rows ``posed.part``: W^T diag(flexibility) W, ``flexibility`` of all velocities."""
+    n_joint, rows = work.rows.n_joint, work.rows
+    spread(work, flexibility, n_joint, n_joint + rows.n_contacts + rows.n_tangents)
+    delassus(rows.J[n_joint:], rows.solved[n_joint:], rows.body[n_joint:], work.posed.part, size, G)
 
 
 @in_space("lcpflex.dynamics.spatial.position")
@@ -173,24 +172,22 @@ def pose_position(
     """Pose the problem of the first n contacts of the table at ``work.free.middle``, reached with ``work.free.u``.
 
     Linearised about the static coordinates there, and about the gaps, which must be those there; ``before`` (nq,) has
-    the static coordinates before the step, ``load`` those that forces and torques of the scene make; ``held`` is for
-    :func:`held_give`. Scaled F and gaps go to posed.problem; unit: the unit of force [N], and the largest compliance
-    [m/N]. Returns -1, or the contact that closes without compliance, that is with up to ``least`` [m/N] or a trillionth
-    of the largest; one whose gap is no less than -``slack`` stays open.
+    the static coordinates before the step, ``load`` those that forces and torques of the scene make, or none; ``held``
+    is for :func:`held_give`. Scaled F and gaps go to posed.problem; unit: the unit of force [N], and the largest
+    compliance [m/N]. Returns -1, or the contact that closes without compliance, that is with up to ``least`` [m/N] or a
+    trillionth of the largest; one whose gap is no less than -``slack`` stays open.
     """
     q = work.free.middle
     n_joint = len(work.scratch.residual)
     n_tangent = fill_contact_rows(model, q, n, n_joint, work.rows)
-    total = n + n_tangent
     count_rows(work.rows, n_joint, n, n_tangent)
     lay_as_one(work)
     describe(work)
     if n_tangent > 0:
         contact_biases(model, q, work.free.u, n, n_tangent, n_joint, work.rows)
-    spread(work, flexibility, n_joint, n_joint + total)
     problem, part = work.posed.problem, work.posed.part
     size = problem.n_contacts + problem.n_tangents
-    delassus(work.rows.J[n_joint:], work.rows.solved[n_joint:], work.rows.body[n_joint:], part, size, problem.delassus)
+    fill_compliance(model, q, work, flexibility, size, problem.delassus)
     softest = 0.0
     for i in range(size):
         problem.free[i] = 0.0
@@ -230,7 +227,7 @@ def contact_without(compliance: ContactCompliance, work: Workspace, rigid: float
     Those that are open by -``slack`` at least count as open.
     """
     problem, n = work.posed.problem, work.rows.n_contacts
-    wide = 2 * work.rows.across - 1  # rows of the problem from one normal to the next
+    wide = rows_of_each(work)
     for i in range(size):
         r = work.posed.part[i]
         if r < 0:

@@ -27,7 +27,7 @@ from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.compiled import sticks
 from lcpflex.solvers.semidefinite import dot
 
-__all__ = ["HeldRows", "admissible"]
+__all__ = ["HeldRows", "admissible", "admit", "is_admitted"]
 
 REDUNDANT = 1e-10  # pivot, relative to the compliance of its row, that counts as zero
 
@@ -50,6 +50,12 @@ class HeldRows:
     spring: IntArray = array("pairs")  # rows of the contact problem that are springs
     coupling: FloatArray = array("pairs", "joints")  # of each of these rows, eliminated
     bodies: IntArray = array("bodies")  # 1: joints on it may matter
+    width: IntArray = array("bodies")  # velocities of each up to the last one that has a mass
+    key: IntArray = array("pairs")  # contacts that were admitted last, in space
+    sticks: IntArray = array("pairs")  # 1: it stuck then
+    n_admitted: int
+    admitted: float  # square of the frequency that they were admitted with [1/s^2]
+    age: int  # how often this was made use of
 
 
 @kernel
@@ -61,9 +67,7 @@ def semidefinite(A: FloatArray, n: int, scale: FloatArray, part: IntArray) -> bo
     for i in range(n):
         own = scale[part[i], part[i]]
         for j in range(i + 1):
-            total = A[i, j]
-            for k in range(j):
-                total -= A[i, k] * A[j, k]
+            total = A[i, j] - dot(A[i], A[j], 0, j)
             if j == i:
                 if not total >= -REDUNDANT * own:
                     return False
@@ -75,6 +79,19 @@ def semidefinite(A: FloatArray, n: int, scale: FloatArray, part: IntArray) -> bo
             else:
                 A[i, j] = 0.0
     return True
+
+
+@in_space("lcpflex.dynamics.spatial.admitted")
+@kernel
+def is_admitted(held: HeldRows, work: Workspace, square: float) -> bool:
+    """Whether contacts of the present solution were found to admit sqrt(square) [1/s] of late: in the plane never."""
+    return False
+
+
+@in_space("lcpflex.dynamics.spatial.admitted")
+@kernel
+def admit(held: HeldRows, work: Workspace, square: float) -> None:
+    """Keep the contacts of the present solution as such: in the plane nothing."""
 
 
 @in_space("lcpflex.dynamics.spatial.position")
@@ -128,6 +145,7 @@ def admissible(
         r = joints + work.posed.part[held.spring[s]]
         solve_rows(model, work.rows, r, r + 1)
         clear_static(model, work, flexibility, r)
+    measure_widths(model, flexibility, held)
     if fast == 0:
         respond_as_springs(work, held, square, unit, springs)
         if semidefinite(work.scratch.G, springs, work.posed.problem.delassus, held.spring):
@@ -159,7 +177,7 @@ def list_springs(work: Workspace, held: HeldRows) -> int:
 def respond_as_springs(work: Workspace, held: HeldRows, square: float, unit: FloatArray, springs: int) -> None:
     """G <- F - W^T A^-1 W / s of the contact rows that are springs, as if no joint held them."""
     rows, part, spring, joints = work.rows, work.posed.part, held.spring, len(work.scratch.residual)
-    scale, width, G, F = 1.0 / (square * unit[1]), rows.J.shape[2], work.scratch.G, work.posed.problem.delassus
+    scale, width, G, F = 1.0 / (square * unit[1]), held.width, work.scratch.G, work.posed.problem.delassus
     for a in range(springs):
         r = joints + part[spring[a]]
         for b in range(a + 1):
@@ -167,9 +185,21 @@ def respond_as_springs(work: Workspace, held: HeldRows, square: float, unit: Flo
             total = 0.0
             for i in range(2):
                 for j in range(2):
-                    if rows.body[r, i] >= 0 and rows.body[r, i] == rows.body[s, j]:
-                        total += dot(rows.J[r, i], rows.solved[s, j], 0, width)
+                    on = rows.body[r, i]
+                    if on >= 0 and on == rows.body[s, j]:
+                        total += dot(rows.J[r, i], rows.solved[s, j], 0, width[on])
             G[a, b] = F[spring[a], spring[b]] - scale * total
+
+
+@kernel
+def measure_widths(model: Model, flexibility: FloatArray, held: HeldRows) -> None:
+    """held.width: static coordinates behind the last one with a mass have no part in the answer of a body."""
+    dof = model.bodies.dof
+    for b in range(len(held.width)):
+        width = dof[b + 1] - dof[b]
+        while width > 0 and flexibility[dof[b] + width - 1] > 0.0:
+            width -= 1
+        held.width[b] = width
 
 
 @kernel

@@ -7,7 +7,8 @@ changes; what is left has rank six:
     G_ab = d_a.E_ab d_b + s_a.s_b,   s = L^T x,
 
 with E_ab of :mod:`lcpflex.dynamics.spatial.point_blocks`, L L^T the Schur complement of the frame and x the first six
-velocities that a force gives. A pair of contacts then costs the same with twenty modes as with two hundred.
+velocities that a force gives. A pair of contacts then costs the same with twenty modes as with two hundred. The
+compliance of static modes is such a sum of blocks, too, and has no frame.
 """
 
 from __future__ import annotations
@@ -17,16 +18,17 @@ import math
 from lcpflex.contact.spatial.levers import mean_on_i, mean_on_j, radius_of_j
 from lcpflex.contact.spatial.narrow_phase.sides import Mean
 from lcpflex.contact.spatial.table import RIM_FACET, RIM_RIM, SpatialContactTable, by_cylinder
-from lcpflex.dynamics.delassus import delassus
+from lcpflex.dynamics.delassus import delassus, spread
 from lcpflex.dynamics.spatial.contact_problem import has_joints
 from lcpflex.dynamics.spatial.inertia import SpatialArrow, SpatialWork
 from lcpflex.dynamics.spatial.inertia_solve import turn_in
 from lcpflex.dynamics.spatial.point_blocks import has_blocks, mean_block, weigh_modes
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.kinematics.spatial.rotations import rotation_matrix
 from lcpflex.kinematics.spatial.vectors import row_vector
-from lcpflex.model.spatial import N_RIGID
+from lcpflex.model.spatial import N_RIGID, SpatialModel
 
-__all__ = ["fill_by_blocks", "fill_delassus", "is_rough", "is_wide", "moved_by", "wants_white"]
+__all__ = ["fill_by_blocks", "fill_compliance", "fill_delassus", "is_rough", "is_wide", "moved_by", "wants_white"]
 
 FEWEST, MOST = 4, 256  # contacts of a wide island; the operator of more takes tens of megabytes
 WIDE = 50  # velocities that a contact moves: below, products of rows cost no more than blocks
@@ -108,8 +110,8 @@ def lay_frame(arrow: SpatialArrow, b: int, x: FloatArray, s: FloatArray) -> None
 
 
 @kernel
-def lay_rows(work: SpatialWork, c: int, k: int, side: int, count: int) -> None:
-    """Directions, body axes, and s of ``count`` rows of a side of contact c, entry k; 0 of those that it has not."""
+def lay_rows(work: SpatialWork, c: int, k: int, side: int, count: int, framed: bool) -> None:
+    """Directions, body axes, and where ``framed`` s, of ``count`` rows of a side of contact c, entry k; 0: has none."""
     rows, arrow, sides = work.rows, work.rows.arrow, work.impulses.solver.sides
     b, j = sides.touched[c, side, 0], work.posed.tangent_of[k]
     if b < 0:
@@ -123,13 +125,19 @@ def lay_rows(work: SpatialWork, c: int, k: int, side: int, count: int) -> None:
             continue
         row = rows.J[r, side]
         along[0], along[1], along[2] = turn_in(arrow.axes, b, row[0], row[1], row[2])
-        lay_frame(arrow, b, rows.solved[r, side], frame)
+        if framed:
+            lay_frame(arrow, b, rows.solved[r, side], frame)
 
 
 @kernel
-def lay_contacts(work: SpatialWork, entry: IntArray, stride: int, n: int, count: int) -> bool:
-    """Both sides of n contacts, each ``stride``-th of the entries listed; False where blocks are not to be had."""
-    sides, arrow = work.impulses.solver.sides, work.rows.arrow
+def lay_contacts(
+    work: SpatialWork, entry: IntArray, stride: int, n: int, count: int, weight: FloatArray, framed: bool
+) -> bool:
+    """Both sides of n contacts, each ``stride``-th of the entries listed; False where blocks are not to be had.
+
+    weight: of the modes; ``framed``: of all, and what is left of the frame counts, else of all velocities.
+    """
+    sides, arrow, dof = work.impulses.solver.sides, work.rows.arrow, work.rows.dof
     known, flexible = True, False
     for side in range(2):
         last = -1
@@ -139,13 +147,14 @@ def lay_contacts(work: SpatialWork, entry: IntArray, stride: int, n: int, count:
             b = sides.touched[c, side, 0]
             if sides.touched[c, side, 1] > 0 and b != last:
                 flexible = True
-                known = weigh_modes(arrow.blocks, b, arrow.diagonal) and known
+                at = dof[b] - N_RIGID * b if framed else dof[b] + N_RIGID
+                known = weigh_modes(arrow.blocks, b, weight, at) and known
                 last = b
     if not (known and flexible):
         return False
     for c in range(n):
         for side in range(2):
-            lay_rows(work, c, entry[stride * c], side, count)
+            lay_rows(work, c, entry[stride * c], side, count, framed)
     return True
 
 
@@ -157,8 +166,8 @@ def mean_of(work: SpatialWork, c: int, side: int) -> Mean:
 
 
 @kernel
-def add_pair(work: SpatialWork, a: int, x: int, b: int, y: int, count: int, G: FloatArray) -> None:
-    """Add what side y of contact b does to side x of contact a, of the same body."""
+def add_pair(work: SpatialWork, a: int, x: int, b: int, y: int, count: int, rank: int, G: FloatArray) -> None:
+    """Add what side y of contact b does to side x of contact a, of the same body; ``rank``: numbers of its frame."""
     sides = work.impulses.solver.sides
     along, frame = sides.along, sides.frame
     flexible = sides.touched[a, x, 1] > 0
@@ -172,7 +181,7 @@ def add_pair(work: SpatialWork, a: int, x: int, b: int, y: int, count: int, G: F
         r = E[6] * u + E[7] * v + E[8] * w
         for e in range(count):
             total = along[a, x, e, 0] * p + along[a, x, e, 1] * q + along[a, x, e, 2] * r
-            for i in range(N_RIGID):
+            for i in range(rank):
                 total += frame[a, x, e, i] * frame[b, y, f, i]
             G[count * a + e, count * b + f] += total
 
@@ -184,8 +193,15 @@ def fill_by_blocks(work: SpatialWork, entry: IntArray, stride: int, n: int, coun
     None is made for bodies without modes, for points without blocks, for levers that turn with the material, and where
     the matrix of the step is another one than that of the last.
     """
-    if not lay_contacts(work, entry, stride, n, count):
+    if not lay_contacts(work, entry, stride, n, count, work.rows.arrow.diagonal, True):
         return False
+    add_pairs(work, n, count, N_RIGID, G)
+    return True
+
+
+@kernel
+def add_pairs(work: SpatialWork, n: int, count: int, rank: int, G: FloatArray) -> None:
+    """G of ``count`` rows of each of n contacts that were laid; ``rank``: numbers of frames."""
     touched = work.impulses.solver.sides.touched
     for a in range(n):
         for b in range(a + 1):
@@ -195,11 +211,33 @@ def fill_by_blocks(work: SpatialWork, entry: IntArray, stride: int, n: int, coun
             for x in range(2):
                 for y in range(2):
                     if touched[a, x, 0] >= 0 and touched[a, x, 0] == touched[b, y, 0]:
-                        add_pair(work, a, x, b, y, count, G)
+                        add_pair(work, a, x, b, y, count, rank, G)
             for e in range(count):
                 for f in range(count):
                     G[count * b + f, count * a + e] = G[count * a + e, count * b + f]
-    return True
+
+
+@kernel
+def fill_compliance(
+    model: SpatialModel, q: FloatArray, work: SpatialWork, flexibility: FloatArray, size: int, G: FloatArray
+) -> None:
+    """G of the ``size`` rows ``posed.part``, rows W at q: W^T diag(flexibility) W, ``flexibility`` of all velocities.
+
+    By blocks of the points where these are to be had; else ``rows.solved`` becomes diag(flexibility) W.
+    """
+    n, part, axes = work.posed.problem.n_contacts, work.posed.part, work.rows.arrow.axes
+    count = size // n if n > 0 else 1
+    for b in range(len(model.bodies.mass)):
+        i = model.bodies.place[b]
+        turned = rotation_matrix(q[i + 3], q[i + 4], q[i + 5], q[i + 6])
+        for k in range(9):
+            axes[b, k] = turned[k]
+    if lay_contacts(work, part, count, n, count, flexibility, False):
+        add_pairs(work, n, count, 0, G)
+        return
+    n_joint, rows = work.rows.n_joint, work.rows
+    spread(work, flexibility, n_joint, n_joint + rows.n_contacts + rows.n_tangents)
+    delassus(rows.J[n_joint:], rows.solved[n_joint:], rows.body[n_joint:], part, size, G)
 
 
 @kernel

@@ -118,16 +118,16 @@ def has_blocks(of: PointBlocks, p: int) -> bool:
 
 
 @kernel
-def weigh_modes(of: PointBlocks, b: int, weight: FloatArray) -> bool:
-    """The modes of body b have these weights (of all modes of the model); whether its blocks may be asked for.
+def weigh_modes(of: PointBlocks, b: int, weight: FloatArray, at: int) -> bool:
+    """The modes of body b have the weights from place ``at`` on; whether its blocks may be asked for.
 
     Not where the weights are others than the last time: where each step has another length, blocks would be computed to
     be used once. They are forgotten when the same weights come twice.
     """
-    same, kept = True, of.weight
-    for k in range(of.dof[b] - N_RIGID * b, of.dof[b + 1] - N_RIGID * (b + 1)):
-        same = same and kept[k] == weight[k]
-        kept[k] = weight[k]
+    same, kept, first = True, of.weight, of.dof[b] - N_RIGID * b
+    for k in range(of.dof[b + 1] - of.dof[b] - N_RIGID):
+        same = same and kept[first + k] == weight[at + k]
+        kept[first + k] = weight[at + k]
     if not same:
         of.changed[b] = 1
     elif of.changed[b] == 1:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.dynamics.contact_problem import describe_contacts
+from lcpflex.dynamics.contact_problem import describe_contacts, rows_of_each
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.solvers.contact.algebra import IN_SPACE
+from lcpflex.solvers.contact.algebra import IN_SPACE, PLANAR
 from lcpflex.solvers.contact.cones.dense import solve_cones
+from lcpflex.solvers.contact.cones.memory import POSED
+from lcpflex.solvers.contact.cones.normals import lay_three, solve_normals
 from lcpflex.solvers.contact.cones.recollection import keep_force, known_force
 from lcpflex.solvers.contact.memory import NOTHING_KNOWN
 from lcpflex.solvers.contact.recollection import place_of, turn_over
+from lcpflex.solvers.status import SOLVED
 
 __all__ = ["describe", "friction_before", "remember_friction", "slip_in", "solve_position", "split_forces", "stiffens"]
 
@@ -20,8 +23,15 @@ INSIDE = 1.0 - 1e-6  # of the cone: friction of a contact that slides is on it t
 
 @kernel
 def describe(work: SpatialWork) -> None:
-    """Friction, names and rows of the contacts laid, as one problem."""
-    describe_contacts(work, 0, IN_SPACE)
+    """Friction, names and rows of the contacts laid, as one problem: three rows a contact, or where nothing rubs one.
+
+    Solvers that are not compiled in, and whoever is told of problems, know problems of three.
+    """
+    solver = work.impulses.solver
+    if work.rows.n_tangents == 0 and solver.method != POSED and solver.known == NOTHING_KNOWN:
+        describe_contacts(work, 0, PLANAR)
+    else:
+        describe_contacts(work, 0, IN_SPACE)
 
 
 @kernel
@@ -52,7 +62,7 @@ def solve_position(work: SpatialWork, unit: FloatArray, again: bool, tolerance: 
 
     Arguments as of :func:`lcpflex.dynamics.position.solve_position`.
     """
-    memory, p, n_joint = work.impulses.solver, work.impulses.p, work.rows.n_joint
+    memory, p, n_joint, problem = work.impulses.solver, work.impulses.p, work.rows.n_joint, work.posed.problem
     memory.judged.tolerance = tolerance
     if memory.known == NOTHING_KNOWN:
         if again:
@@ -64,7 +74,14 @@ def solve_position(work: SpatialWork, unit: FloatArray, again: bool, tolerance: 
                 memory.group.p[k, 2] = p[s + 1] / unit[0] if j >= 0 else 0.0
         else:
             begin_forces(work, unit)
-    return solve_cones(work.posed.problem, memory)
+    if rows_of_each(work) == 1:
+        basis = memory.basis
+        for k in range(problem.n_contacts):
+            basis[k] = 1 if memory.group.p[k, 0] > 0.0 or work.rows.table.gap[k] < 0.0 else 0
+        if solve_normals(problem, memory):
+            return SOLVED
+        lay_three(problem, work.posed.part)
+    return solve_cones(problem, memory)
 
 
 @kernel

@@ -26,7 +26,7 @@ class BoundaryScheme:
     q: FloatArray
     u: FloatArray
     flexibility: FloatArray  # (ndof,) 1/omega^2 of static coordinates, else 0 [s^2]
-    held_flexibility: FloatArray  # (ndof,) the same of modes with mass that joints and springs hold, else 0 [s^2]
+    held_flexibility: FloatArray  # (ndof,) the same of modes with mass that joints and springs hold, or (0,): of none
     load: FloatArray = array("nq")  # static coordinates that forces and torques of the scene make
     load_before: FloatArray = array("nq")  # those of the step before
     loaded: int  # 1: there may be some

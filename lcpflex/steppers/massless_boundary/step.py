@@ -12,6 +12,7 @@ import math
 from lcpflex.contact.detection import detect
 from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics.contact_compliance import ALL, HARD, choose, compliance_energy, misfit, note_depths
+from lcpflex.dynamics.contact_problem import rows_of_each
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.joint_reactions import lay_reactions, note_ends
 from lcpflex.dynamics.joint_response import factorise_joints, solve_joints
@@ -32,7 +33,7 @@ from lcpflex.dynamics.position import (
     split_forces,
     static_response,
 )
-from lcpflex.dynamics.stable_step import admissible
+from lcpflex.dynamics.stable_step import admissible, admit, is_admitted
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
 from lcpflex.jit.leaf import in_space
@@ -238,7 +239,7 @@ def deform(model: Model, scheme: BoundaryScheme, work: Workspace) -> float:
     static_response(model, work, scheme.flexibility, scheme.load, work.free.middle)
     left = 0.0
     displaced = 0.0
-    wide = 2 * work.rows.across - 1  # rows of the problem from one normal to the next
+    wide = rows_of_each(work)
     for k in range(work.rows.n_contacts):
         refresh(model, work.free.middle, work.rows.table, k)
         if work.impulses.normal[k] > 0.0 and (scheme.compliance.some[0] == 0 or work.scratch.closed[k] == HARD):
@@ -255,7 +256,13 @@ def short_enough(model: Model, scheme: BoundaryScheme, h: float, work: Workspace
     square = (2.0 * scheme.safety / h) ** 2 - scheme.spring
     if square <= 0.0 or h * scheme.damper > scheme.safety:
         return False
-    return admissible(model, work.free.middle, square, scheme.flexibility, scheme.unit, scheme.held, work)
+    lasting = scheme.compliance.some[0] == 0  # stiffnesses of elastic laws change
+    if lasting and is_admitted(scheme.held, work, square):
+        return True
+    found = admissible(model, work.free.middle, square, scheme.flexibility, scheme.unit, scheme.held, work)
+    if found and lasting:
+        admit(scheme.held, work, square)
+    return bool(found)
 
 
 @kernel
@@ -289,11 +296,12 @@ def solve_contact_forces(
     PART: the part is too long for what it closes.
     """
     choose(model, scheme.compliance, work, n)
+    load = scheme.load if scheme.loaded == 1 else scheme.load[:0]
     passes = 0
     while True:
         clock.number = pose_position(
-            model, h, n, scheme.q, scheme.flexibility, scheme.held_flexibility, scheme.load, scheme.compliance,
-            scheme.unit, scheme.gap_tolerance, scheme.least, work,
+            model, h, n, scheme.q, scheme.flexibility, scheme.held_flexibility, load, scheme.compliance, scheme.unit,
+            scheme.gap_tolerance, scheme.least, work,
         )  # fmt: skip
         if clock.number >= 0.0:
             return RunStatus.STIFF

@@ -286,7 +286,7 @@ class MasslessBoundary:
             q=system.q,
             u=system.u,
             flexibility=np.array(flexibility),
-            held_flexibility=np.array(parted.held),
+            held_flexibility=np.array(parted.held) if np.any(parted.held) else np.zeros(0),
             loaded=int(any(flexibility[slice(*model.bodies.dof[b : b + 2])].any() for b in pushed[pushed >= 0])),
             turn_start=np.cumsum([0, *(len(flat) for flat in turned)]),
             turn=np.concatenate([np.zeros(0), *turned]),
@@ -301,7 +301,7 @@ def _held_rows(system: System) -> HeldRows:
     dof = system.model.bodies.dof
     sizes = {"joints": system.n_joint, "width": int(np.max(np.diff(dof), initial=1)), "bodies": len(dof) - 1}
     sizes["reaction"] = dimension(system.model.bodies).rigid
-    return allocate(HeldRows, {**sizes, "pairs": ROWS * FIRST_ROOM})
+    return allocate(HeldRows, {**sizes, "pairs": ROWS * FIRST_ROOM}, admitted=math.inf)
 
 
 def _grown(scheme: BoundaryScheme, contacts: int) -> BoundaryScheme:

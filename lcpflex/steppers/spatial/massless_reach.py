@@ -38,7 +38,7 @@ def has_strayed(model: SpatialModel, scheme: Any, work: SpatialWork) -> bool:
 
 
 @kernel
-def approach(model: SpatialModel, flexibility: FloatArray, before: FloatArray, q: FloatArray) -> float:
+def approach(model: Any, flexibility: FloatArray, before: FloatArray, q: FloatArray) -> float:
     """Upper bound of how much nearer two surfaces come by their static coordinates as these go to those of q [m]."""
     contacts = model.contacts
     first, second = 0.0, 0.0

@@ -11,13 +11,10 @@ from lcpflex.dynamics.delassus import delassus
 from lcpflex.dynamics.spatial.contact_blocks import fill_by_blocks
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import kernel, late_kernel
-from lcpflex.solvers.auto import TARGET
-from lcpflex.solvers.lcp.principal_pivoting import principal_pivoting
-from lcpflex.solvers.status import SOLVED
+from lcpflex.solvers.contact.cones.normals import exchange
 
 __all__ = ["exchange_normals", "lacks_places"]
 
-PIVOTS = 100, 20  # of the exchanges at most, and for each contact besides
 SPARE = 5  # rows that the work memory of exchanges has beyond the unknowns
 
 
@@ -48,10 +45,6 @@ def exchange_normals(work: SpatialWork, i: int) -> None:
             row[b] *= scale * unit[b]
         dense.free[a] = scale * group.free[a, 0]
         basis[a] = 1 if group.p[a, 0] > 0.0 or group.y[a, 0] < 0.0 else 0
-    basis[len(basis) - 1] = 0  # nobody calls
-    most = PIVOTS[0] + PIVOTS[1] * n
-    status, pivots = principal_pivoting(G, dense.free, n, dense.y, dense.table, basis, True, TARGET, most)
-    memory.sweeping.iterations += pivots
-    if status == SOLVED:
+    if exchange(memory, G, dense.free, n):
         for a in range(n):
             work.impulses.p[n_joint + contact[a]] = unit[a] * dense.y[a]

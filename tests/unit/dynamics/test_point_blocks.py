@@ -40,7 +40,7 @@ class Case:
         self.weight = rng.uniform(0.5, 2.0, sum(MODES))
 
     def weigh(self, b: int, weight: FloatArray) -> bool:
-        return weigh_modes(self.blocks, b, weight)
+        return weigh_modes(self.blocks, b, weight, sum(MODES[:b]))
 
     def product(self, p: int, r: int) -> FloatArray:
         first = {0: 0, 1: 5, 2: 5}[p // POINTS]
