@@ -59,6 +59,7 @@ def gather_resting(model: Any, work: SpatialWork, scheme: Any) -> int:
     q, u = scheme.q, scheme.u
     slow = max(scheme.velocity_threshold, 2.0 * scheme.left)  # open contacts have as much from the same answer
     scheme.n_found = 0
+    work.rows.table.faces.kept.used = 1
     found = detect(model, q, scheme.gap_tolerance, work.rows.table)
     if found == 0 or found > len(work.rows.table.key):
         return found

@@ -85,6 +85,7 @@ def find_closed(model: SpatialModel, q: FloatArray, tolerance: float, table: Spa
     body would tip about that by what a step takes, a thousand times as far as it is open. Where a tilted face slides
     over an edge its corners are as near as that just before they leave over it: they strike nothing.
     """
+    table.faces.kept.used = 1
     n = detect(model, q, FLUSH * tolerance, table)
     if n > len(table.key):
         return n

@@ -79,6 +79,18 @@ def pushed(most: float = 20.0) -> lf.Scene:
     return scene
 
 
+def sliding_areas() -> lf.SpatialScene:
+    """A block slides over another one by areas, whose means stand for some steps."""
+    scene = lf.SpatialScene()
+    solid = lf.Solid.box((0.2, 0.2, 0.1), elements=(5, 5, 3), density=1000.0, youngs_modulus=1e7, poissons_ratio=0.3)
+    body = solid.reduce(4)
+    below = scene.add(body, "below", (0.0, 0.0, 0.05))
+    above = scene.add(body, "above", (0.01, 0.0, 0.15), velocity=(0.02, 0.0, 0.0))
+    scene.contact(below.face("bottom"), scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    scene.contact(above.face("bottom"), below.face("top"), points="areas", friction=0.001)
+    return scene
+
+
 def own_system(stiffness: float = 2.0) -> lf.UserSystem:
     return lf.UserSystem(
         q=[0.05, 0.0],
@@ -117,6 +129,7 @@ RUNS: dict[str, tuple[Build, float, Any]] = {
     "space, event-driven": (lambda: heavy_top(0.0), 0.1, lf.EventDriven()),
     "space, stiff": (lambda: heavy_top(0.0), 0.1, lf.Smooth(integrator=lf.Stiff())),
     "space, verlet": (flexible_flight, 0.2, lf.Smooth(integrator=lf.Verlet(5e-4))),
+    "space, areas": (sliding_areas, 0.1, lf.MoreauJean(1e-3)),
     "space, moreau adaptive": (flexible_flight, 0.2, lf.MoreauJean(1e-4, adaptive=lf.AdaptiveStep(rtol=1e-6))),
 }
 

@@ -8,13 +8,14 @@ from lcpflex.bodies.spatial.surface import FACE
 from lcpflex.contact.spatial.bounds import plane_vector
 from lcpflex.contact.spatial.entries import load_node
 from lcpflex.contact.spatial.faces.feet import find_foot, place_of
-from lcpflex.contact.spatial.faces.means import blend, common_area, forget, gap_of_means, lay_means, weigh
+from lcpflex.contact.spatial.faces.kept import is_far, is_kept, keep, still_stands
+from lcpflex.contact.spatial.faces.means import Standing, common_area, lay_means, stand, weigh, weight_in
 from lcpflex.contact.spatial.faces.memory import mean_of
 from lcpflex.contact.spatial.kinds import PLANE, POINT, SIDE
+from lcpflex.contact.spatial.narrow_phase.facet import Plane, set_over
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, frame_of, place_in, seen_from, world_place
-from lcpflex.contact.spatial.pairs import locate
 from lcpflex.contact.spatial.table import NODE_FACET, SpatialContactTable
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.kinematics.spatial.vectors import (
     NOTHING,
     added,
@@ -77,23 +78,61 @@ def sample_reach(model: SpatialModel, a: int, margin: float) -> float:
 
 @kernel
 def load_means(
-    model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int, law: int, node: int, b: int, count: int,
-    area: float,
+    model: SpatialModel, table: SpatialContactTable, k: int, law: int, node: int, b: int, listed: IntArray,
+    part: FloatArray, own: int, area: float, curvature: FloatArray, over: Standing, frame: Frame,
 ) -> None:  # fmt: skip
-    """Entry k, of a node or area with surface b: that of the means weighed last."""
-    c = model.contacts
+    """Entry k, of a node or area with surface b: that of means of listed points; frame: of the body of b."""
+    c, size = model.contacts, math.sqrt(area)
     load_node(model, table, k, law, NODE_FACET, node, c.feature_start[b])
-    lay_means(model, table.faces, count, k, (table.body[k, 0], table.body[k, 1]), area)
+    lay_means(model, table.faces, listed, part, own, k, (table.body[k, 0], table.body[k, 1]), size)
     table.averaged[k] = 1
     for d in range(3):
-        table.curvature[k, d] = table.faces.curvature[d]
-    part = area / whole_area(model, node)
-    table.area[k] = part * c.node_area[node]
-    table.weight[k] *= part
+        table.curvature[k, d] = curvature[d]
+    share = area / whole_area(model, node)
+    table.area[k] = share * c.node_area[node]
+    table.weight[k] *= share
     for v in range(4):
         table.point[k, v] = mean_of(k, v)
     table.point[k, 4] = mean_of(k, 0)
-    locate(model, q, table, k)
+    plane = over.plane
+    longer = Plane(plane.a, scaled(size, plane.e1), scaled(size, plane.e2), plane.n, size * size * plane.area)
+    set_over(table, k, frame, longer, over.slave, table.radius[k, 0])
+
+
+@kernel
+def node_touches(
+    model: SpatialModel, q: FloatArray, margin: float, wide: float, table: SpatialContactTable, i: Frame, j: Frame,
+    surfaces: tuple[int, int], law: int, node: int, n: int,
+) -> int:  # fmt: skip
+    """Entry n, where a node or area of the first surface is near the second one; the new count."""
+    memory, kept, b = table.faces, table.faces.kept, surfaces[1]
+    if is_kept(memory, node, b):
+        row = node - kept.first
+        points, weights = kept.point[row][: kept.count[row]], kept.weight[row][: kept.count[row]]
+        over = stand(model, q, memory, (i, j), points, weights, kept.own[row])
+        if still_stands(memory, row, over, i, j, wide):
+            if over.gap > margin:
+                return n
+            if n < len(table.key):
+                own, area, curvature = kept.own[row], kept.area[row], kept.curvature[row]
+                load_means(model, table, n, law, node, b, points, weights, own, area, curvature, over, j)
+            return n + 1
+        kept.count[row] = 0
+    if is_far(model, table, i, j, node, surfaces, wide):
+        return n
+    find_feet(model, q, wide, table, i, j, b, node)
+    area = common_area(model, memory, node)
+    if not area > LEAST * whole_area(model, node):
+        return n
+    own, count = weigh(model, memory, node, area)
+    listed, part = memory.listed[:count], memory.part[:count]
+    over = stand(model, q, memory, (i, j), listed, part, own)
+    keep(model, memory, node, b, over, i, j, own, count, area, wide)
+    if over.gap > margin:
+        return n
+    if n < len(table.key):
+        load_means(model, table, n, law, node, b, listed, part, own, area, memory.curvature, over, j)
+    return n + 1
 
 
 @kernel
@@ -106,16 +145,7 @@ def faces_touch(
     memory.search += 1
     wide = sample_reach(model, a, margin)
     for node in range(c.node_start[a], c.node_start[a + 1]):
-        find_feet(model, q, wide, table, i, j, b, node)
-        area = common_area(model, memory, node)
-        if not area > LEAST * whole_area(model, node):
-            continue
-        count = weigh(model, memory, node, area)
-        if gap_of_means(memory, count, i, j) <= margin:
-            if n < len(table.key):
-                load_means(model, q, table, n, law, node, b, count, area)
-            n += 1
-        forget(memory, count)
+        n = node_touches(model, q, margin, wide, table, i, j, (a, b), law, node, n)
     return n
 
 
@@ -135,12 +165,10 @@ def weigh_entry(
     area = common_area(model, memory, node)
     if not area > 0.0:
         return 0
-    count = weigh(model, memory, node, area)
-    blend(memory, count, area)
+    _, count = weigh(model, memory, node, area)
     for at in range(count):
         for which in range(4):
-            weights[at, which] = memory.weight[memory.listed[at], which]
-    forget(memory, count)
+            weights[at, which] = weight_in(memory.part[at], which, math.sqrt(area))
     return count
 
 

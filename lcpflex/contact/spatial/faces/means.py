@@ -14,20 +14,31 @@ methods for contact; dual multipliers are not used, as hats keep multipliers pos
 
 from __future__ import annotations
 
-import math
+from typing import NamedTuple
 
-from lcpflex.contact.spatial.faces.feet import cell_point, cell_size, parts_along
+from lcpflex.contact.spatial.faces.feet import cell_point, cell_size, parts_along, place_of
 from lcpflex.contact.spatial.faces.memory import FaceMemory, begin_mean, mean_of
+from lcpflex.contact.spatial.narrow_phase.facet import Plane
 from lcpflex.contact.spatial.narrow_phase.point import axis, farthest_axis
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, seen_from, world_place
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
 from lcpflex.kinematics.spatial.vectors import IDENTITY, added, apart_from, dot, norm, row_vector, scaled
 from lcpflex.model.spatial import N_RIGID, SpatialModel
 
-__all__ = ["blend", "common_area", "forget", "gap_of_means", "lay_means", "weigh"]
+__all__ = ["Standing", "common_area", "lay_means", "stand", "weigh", "weight_in"]
 
 S, M, T1, T2 = range(4)  # columns of the weights
+
+
+class Standing(NamedTuple):
+    """How the means of a node stand over the plane of the master."""
+
+    slave: Vector  # S, in the world [m]
+    plane: Plane  # through M along T_1 and T_2
+    gap: float  # [m]
+    x: float  # (S - M).T_1 [m]
+    y: float  # (S - M).T_2
 
 
 @kernel
@@ -37,20 +48,31 @@ def add_weight(memory: FaceMemory, p: int, column: int, weight: float, count: in
     if w[p, 0] == 0.0 and w[p, 1] == 0.0 and w[p, 2] == 0.0 and w[p, 3] == 0.0:
         known = False
         for i in range(count):
-            known = known or memory.listed[i] == p
+            known = known or memory.found[i] == p
         if not known:
-            memory.listed[count] = p
+            memory.found[count] = p
             count += 1
     w[p, column] += weight
     return count
 
 
 @kernel
-def forget(memory: FaceMemory, count: int) -> None:
-    """Clear the weights of the listed points."""
-    for i in range(count):
-        for column in range(4):
-            memory.weight[memory.listed[i], column] = 0.0
+def list_parts(memory: FaceMemory, count: int) -> int:
+    """List the points that have weights, those of the slave first, and clear these; how many are of the slave."""
+    own, at = 0, 0
+    for of_slave in range(1, -1, -1):
+        for i in range(count):
+            p = memory.found[i]
+            if p < 0 or (of_slave == 1 and memory.weight[p, S] == 0.0):
+                continue
+            memory.listed[at] = p
+            for column in range(4):
+                memory.part[at, column] = memory.weight[p, column]
+                memory.weight[p, column] = 0.0
+            memory.found[i] = -1
+            at += 1
+        own = at if of_slave == 1 else own
+    return own
 
 
 @kernel
@@ -97,8 +119,8 @@ def curve(memory: FaceMemory, share: float, bent: Vector, a: tuple[float, float]
 
 
 @kernel
-def weigh(model: SpatialModel, memory: FaceMemory, node: int, area: float) -> int:
-    """Weights of all material points in the means of a node; how many points there are."""
+def weigh(model: SpatialModel, memory: FaceMemory, node: int, area: float) -> tuple[int, int]:
+    """Weights of all material points in the means of a node; how many are of the slave, and how many in all."""
     c = model.contacts
     first, second = directions(model, memory, node)
     for d in range(3):
@@ -121,37 +143,31 @@ def weigh(model: SpatialModel, memory: FaceMemory, node: int, area: float) -> in
             count = add_weight(memory, p, M, share * shape, count)
             count = add_weight(memory, p, T1, share * (a[0] * by_x + a[1] * by_y), count)
             count = add_weight(memory, p, T2, share * (b[0] * by_x + b[1] * by_y), count)
-    return count
+    return list_parts(memory, count), count
 
 
 @kernel
-def summed(memory: FaceMemory, count: int, column: int) -> Vector:
-    """Sum of the places of the listed points, by a column of weights; in the frame of their body."""
-    total = (0.0, 0.0, 0.0)
-    for i in range(count):
-        p = memory.listed[i]
-        total = added(total, scaled(memory.weight[p, column], row_vector(memory.place, p)))
-    return total
-
-
-@kernel
-def gap_of_means(memory: FaceMemory, count: int, i: Frame, j: Frame) -> float:
-    """Of S over the plane of the master [m]."""
-    n = cross(summed(memory, count, T1), summed(memory, count, T2))
-    slave = seen_from(j, world_place(i, summed(memory, count, S)))
-    return dot(n, apart_from(slave, summed(memory, count, M))) / norm(n)
-
-
-@kernel
-def part_points(memory: FaceMemory, count: int) -> int:
-    """Order the listed points: those of the slave first; how many these are."""
-    own = 0
-    for at in range(count):
-        p = memory.listed[at]
-        if memory.weight[p, S] != 0.0:
-            memory.listed[at], memory.listed[own] = memory.listed[own], p
-            own += 1
-    return own
+def stand(
+    model: SpatialModel, q: FloatArray, memory: FaceMemory, frames: tuple[Frame, Frame], listed: IntArray,
+    part: FloatArray, own: int,
+) -> Standing:  # fmt: skip
+    """How the means of listed points stand, of which the first ``own`` are of the slave; frames: of both bodies."""
+    place = (0.0, 0.0, 0.0)
+    for at in range(own):
+        place = added(place, scaled(part[at, S], place_of(model, q, memory, frames[0], listed[at])))
+    foot, e, f = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for at in range(own, len(listed)):
+        r = place_of(model, q, memory, frames[1], listed[at])
+        foot = added(foot, scaled(part[at, M], r))
+        e = added(e, scaled(part[at, T1], r))
+        f = added(f, scaled(part[at, T2], r))
+    n = cross(e, f)
+    area = norm(n)
+    slave = world_place(frames[0], place)
+    away = apart_from(seen_from(frames[1], slave), foot)
+    return Standing(
+        slave, Plane(foot, e, f, scaled(1.0 / area, n), area), dot(n, away) / area, dot(e, away), dot(f, away)
+    )
 
 
 @kernel
@@ -164,17 +180,24 @@ def add_modes(total: FloatArray, phi: FloatArray, weight: float) -> None:
 
 
 @kernel
+def weight_in(part: FloatArray, which: int, size: float) -> float:
+    """Weight of a point in the means S, M, M + l T_1 and M + l T_2 of an entry, with the length l = ``size``."""
+    return float(part[which] if which <= M else part[M] + size * part[which])
+
+
+@kernel
 def lay_mean_of(
-    model: SpatialModel, memory: FaceMemory, points: tuple[int, int], k: int, which: int, body: int
-) -> None:
-    """Place and modes of mean ``which`` of entry k, of a body: by its column of weights, of some listed points."""
+    model: SpatialModel, memory: FaceMemory, listed: IntArray, part: FloatArray, size: float, k: int, which: int,
+    body: int,
+) -> None:  # fmt: skip
+    """Place and modes of mean ``which`` of entry k, of a body, as the sum of listed points."""
     modes = 0 if body < 0 else model.bodies.dof[body + 1] - model.bodies.dof[body] - N_RIGID
     first = begin_mean(memory, k, which, body, modes)
     place = memory.means.place[mean_of(k, which)]
     total = memory.means.phi[first : first + modes]
-    for at in range(points[0], points[1]):
-        p = memory.listed[at]
-        weight = memory.weight[p, which]
+    for at in range(len(listed)):
+        p = listed[at]
+        weight = weight_in(part[at], which, size)
         for c in range(3):
             place[c] += weight * model.points.place[p, c]
         start = model.points.start[p]
@@ -182,25 +205,11 @@ def lay_mean_of(
 
 
 @kernel
-def blend(memory: FaceMemory, count: int, area: float) -> int:
-    """Make the weights of the tangents those of M + l T_1 and M + l T_2, l: length of the area; points of the slave.
-
-    These are the first of those that are listed.
-    """
-    size = math.sqrt(area)
-    own = part_points(memory, count)
-    for at in range(own, count):
-        w = memory.weight[memory.listed[at]]
-        w[T1], w[T2] = w[M] + size * w[T1], w[M] + size * w[T2]
-    return own
-
-
-@kernel
 def lay_means(
-    model: SpatialModel, memory: FaceMemory, count: int, k: int, bodies: tuple[int, int], area: float
-) -> None:
-    """The four material points of entry k: S, and M, M + l T_1 and M + l T_2 with the length l of the area."""
-    own = blend(memory, count, area)
-    lay_mean_of(model, memory, (0, own), k, S, bodies[0])
+    model: SpatialModel, memory: FaceMemory, listed: IntArray, part: FloatArray, own: int, k: int,
+    bodies: tuple[int, int], size: float,
+) -> None:  # fmt: skip
+    """The four material points of entry k: S, and M, M + l T_1 and M + l T_2 with the length l = ``size``."""
+    lay_mean_of(model, memory, listed[:own], part[:own], size, k, S, bodies[0])
     for which in range(M, T2 + 1):
-        lay_mean_of(model, memory, (own, count), k, which, bodies[1])
+        lay_mean_of(model, memory, listed[own:], part[own:], size, k, which, bodies[1])

@@ -15,10 +15,43 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, pack, struct
 from lcpflex.model.spatial import SpatialPoints, material_points
 
-__all__ = ["EACH", "MEANS", "FaceMemory", "FaceSizes", "copy_means", "face_memory", "face_sizes", "mean_of"]
+__all__ = [
+    "EACH",
+    "KEPT",
+    "MEANS",
+    "FaceMemory",
+    "FaceSizes",
+    "KeptMeans",
+    "copy_means",
+    "face_memory",
+    "face_sizes",
+    "mean_of",
+]
 
 MEANS = 4  # material points of an entry
 EACH = 2  # numbers of points that one takes: what offsets of modes begin at the one behind it is no point
+KEPT = 96  # points of means that are kept: 25 of the slave and 49 of the master are nodes of faces of nine nodes
+
+
+@struct
+class KeptMeans:
+    """Of areas the means made last: see :mod:`lcpflex.contact.spatial.faces.kept`. Of node k in row k - ``first``."""
+
+    first: int  # the first node of the model that is an area
+    used: int  # 1: by a stepper whose gaps may be wrong by as little as those of kept means are
+    count: IntArray = array("areas")  # points that have a part in them; 0: none are kept
+    own: IntArray = array("areas")  # of the slave, the first ones
+    on: IntArray = array("areas")  # surface of the master
+    whole: IntArray = array("areas")  # 1: all samples have a foot
+    point: IntArray = array("areas", KEPT)
+    weight: FloatArray = array("areas", KEPT, 4)  # in S, and in the foot and both tangents of the master
+    area: FloatArray = array("areas")  # common [m^2]
+    curvature: FloatArray = array("areas", 3)  # of the master [1/m]
+    gap: FloatArray = array("areas")  # when they were made [m]
+    rise: FloatArray = array("areas")  # of the highest sample that has a foot, above that [m]
+    slip: FloatArray = array("areas", 2)  # place of S along both tangents [m]
+    turn: FloatArray = array("areas", 2, 3)  # two axes of the body of the slave, in the frame of that of the master
+    reach: FloatArray = array("areas")  # how far the samples are from their mean, undeformed [m]; 0: not known
 
 
 @struct
@@ -29,6 +62,7 @@ class FaceMemory:
     """
 
     means: SpatialPoints
+    kept: KeptMeans
     modes: int  # rows of the modes of a mean
     search: int  # number of the present one: what is known of it has this number
     known: IntArray = array("points")  # number of the search in which a place was found
@@ -40,8 +74,10 @@ class FaceMemory:
     at_foot: FloatArray = array("samples", 9, 3)  # and the shape functions of the nodes, with their derivatives
     bent: FloatArray = array("samples", 3)  # and n.r_,11, n.r_,12 and n.r_,22 [m]
     tried: IntArray = array("samples")  # number of the search in which it was looked for
-    listed: IntArray = array("points")  # points that have a part in the present mean
-    weight: FloatArray = array("points", 4)  # their weights: in S, and in the foot and both tangents of the master
+    listed: IntArray = array("points")  # points that have a part in the means of a node, those of the slave first
+    part: FloatArray = array("points", 4)  # their weights: in S, and in the foot and both tangents of the master
+    found: IntArray = array("points")  # the points as they are found
+    weight: FloatArray = array("points", 4)  # and the weights of each point, 0 between nodes
     shape: FloatArray = array(9, 3)
     bend: FloatArray = array(9, 3)  # second derivatives of the shape functions
     corner: FloatArray = array(9, 3)
@@ -53,7 +89,7 @@ FaceSizes: TypeAlias = dict[str, int]  # how much memory the faces of a model ne
 
 def no_faces() -> FaceSizes:
     """Of a model without."""
-    return {"points": 0, "samples": 0, "modes": 0}
+    return {"points": 0, "samples": 0, "first": 0, "areas": 0, "modes": 0}
 
 
 def face_sizes(contacts: Any) -> FaceSizes:
@@ -63,7 +99,10 @@ def face_sizes(contacts: Any) -> FaceSizes:
         return no_faces()
     used = [contacts.node_point, contacts.feature_point.ravel(), contacts.cell_point, contacts.sample_point]
     points = 1 + max(int(np.max(some, initial=-1)) for some in used)
-    return {"points": points, "samples": samples, "modes": contacts.surface_deflection.shape[1]}
+    areas = np.flatnonzero(np.diff(contacts.area_start) > 1)
+    first, end = (int(areas[0]), int(areas[-1]) + 1) if len(areas) else (0, 0)
+    modes = contacts.surface_deflection.shape[1]
+    return {"points": points, "samples": samples, "first": first, "areas": end - first, "modes": modes}
 
 
 def face_memory(capacity: int, sizes: FaceSizes | None = None) -> FaceMemory:
@@ -74,7 +113,8 @@ def face_memory(capacity: int, sizes: FaceSizes | None = None) -> FaceMemory:
     start = np.zeros(count + 1, np.int64)
     flat = np.zeros((MEANS * entries * modes, 3))
     means = material_points(np.zeros(count, np.int64), np.zeros((count, 3)), start, flat, flat.copy())
-    made: FaceMemory = allocate(FaceMemory, sizes, means=pack(means), modes=modes)
+    kept = allocate(KeptMeans, sizes, first=sizes["first"])
+    made: FaceMemory = allocate(FaceMemory, sizes, means=pack(means), kept=kept, modes=modes)
     return made
 
 

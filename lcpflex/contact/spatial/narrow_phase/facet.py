@@ -35,6 +35,7 @@ __all__ = [
     "plane_turn",
     "refresh_facet",
     "refresh_over_ground",
+    "set_over",
 ]
 
 
