@@ -135,7 +135,7 @@ WRITERS: dict[str, tuple[str, ...]] = {
         "lcpflex.dynamics.stable_step",
         "lcpflex.steppers.spatial.massless_momenta",
     ),
-    "Rows.solved": ("lcpflex.dynamics.position", "lcpflex.dynamics.stable_step"),  # by a matrix of their own
+    "Rows.solved": ("lcpflex.dynamics.delassus", "lcpflex.dynamics.stable_step"),  # by a matrix of their own
     "FreeMotion": (
         "lcpflex.dynamics.acceleration",
         "lcpflex.dynamics.contact_forces",
@@ -176,7 +176,7 @@ WRITERS: dict[str, tuple[str, ...]] = {
         "lcpflex.steppers.projection",  # the problem of a lift
         "lcpflex.steppers.spatial.island_problems",
     ),
-    "Posed.part": ("lcpflex.steppers.spatial.projection",),
+    "Posed.part": ("lcpflex.solvers.contact.cones.normals", "lcpflex.steppers.spatial.projection"),
     "Posed.problem": (
         "lcpflex.dynamics.contact_compliance",
         "lcpflex.dynamics.position",
