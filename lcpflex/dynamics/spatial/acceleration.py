@@ -28,6 +28,7 @@ from lcpflex.dynamics.impulse import answer_joints
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.shared_sets import share_sets, slides
 from lcpflex.dynamics.spatial.symmetric_sets import solve_symmetric
+from lcpflex.dynamics.spatial.turning_slip import TurningSlip
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.kinematics.spatial.rotations import Vector, cross
@@ -90,6 +91,7 @@ class SpatialContactSets:
     order: IntArray = array("rows")
     problem: MixedProblem
     search: MixedMemory
+    turning: TurningSlip
     level: int
     n_stick: int
     referred: int  # 1: forces are those nearest to ``chosen``
@@ -100,7 +102,8 @@ def spatial_contact_sets(capacity: int, dense: int | None = None) -> SpatialCont
     """Memory for ``capacity`` contacts, islands of up to ``dense`` ones: all by default."""
     room = capacity if dense is None else dense
     sizes = {"contacts": capacity, "dense": room, "rows": 3 * room}
-    return allocate(SpatialContactSets, sizes, problem=mixed_problem(room), search=mixed_memory(room))
+    turning = allocate(TurningSlip, sizes)
+    return allocate(SpatialContactSets, sizes, problem=mixed_problem(room), search=mixed_memory(room), turning=turning)
 
 
 @kernel

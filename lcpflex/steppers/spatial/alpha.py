@@ -5,6 +5,8 @@ of the step. A pass of Newton's method that took d as the last pass left it woul
 where -r d is what friction has made of gamma in the step: it would fail in the last steps before a stop. So d is that
 of gamma + r d_last: friction that only turns with d is then taken at its new direction. Where friction is more than
 what there is to stop, d stays that of the slip without it, as in the plane, and the problem of velocities stops it.
+From the third pass on friction turns with the slip in the problem itself, for all contacts at once
+(:mod:`lcpflex.dynamics.spatial.turning_slip`).
 
 Contacts without slip have a cone in the problem of accelerations (:mod:`lcpflex.dynamics.spatial.acceleration`). The
 forces of the smooth motion are kept in world axes.
@@ -23,7 +25,7 @@ from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.mechanics import fill_contact_rows, solve_vector
 from lcpflex.dynamics.spatial.acceleration import SLIDING, across, slip_of
 from lcpflex.dynamics.spatial.inertia import SpatialWork
-from lcpflex.jit.kernel import kernel
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.vectors import dot
 from lcpflex.solvers.contact.index_sets import SMOOTH as FRICTIONLESS, STICKING
 from lcpflex.solvers.contact.recollection import turn_over
@@ -50,6 +52,7 @@ __all__ = [
 ]
 
 LEFT = 1e-6  # of the terms of a free velocity: what answers that count as solved may leave of it
+TURNED = 2  # passes after which friction turns in the problem itself (:mod:`lcpflex.dynamics.spatial.turning_slip`)
 FROZEN = 5  # passes after which the direction of slip that comes to a stop is left as it is
 
 
@@ -90,24 +93,28 @@ def pose_modes(model: Any, alpha_c: float, work: SpatialWork, scheme: Any) -> in
 
     alpha_c: dv/dw of the velocity at the end of the step [s].
     """
-    sets, push = scheme.sets, scheme.momentum
+    sets, push, turning = scheme.sets, scheme.momentum, scheme.sets.turning
     sets.level = FORCE
     n_joint, n = work.rows.n_joint, work.rows.n_contacts
     list_tangents(work.rows, sets.tangent_of)
     again = scheme.turn > 0
+    turned = 1 if turning.counts == 1 and again else 0
+    turning.counts = 1 if scheme.turn >= TURNED else 0
     if again:
-        for i in range(len(push)):
-            push[i] = 0.0
-        for r in range(n_joint + n, n_joint + n + work.rows.n_tangents):
-            add_row(work, r, work.impulses.p[r], push)
-        solve_vector(model, work, push)
+        answer_friction(model, work, push)
     for k in range(n):
+        by_force = turned == 1 and turning.yields[k] >= 0.0
+        turning.yields[k] = -1.0
         if sets.mode[k] != SLIDING:
             continue
         first, second = slip_of(work, sets, k, scheme.v_new)
-        if scheme.turn >= FROZEN and first * sets.along[k, 0] + second * sets.along[k, 1] <= 0.0:
+        ahead = first * sets.along[k, 0] + second * sets.along[k, 1]
+        if scheme.turn >= FROZEN and ahead <= 0.0:
             continue  # it stops in this step, in which direction the problem of velocities tells
-        if again:
+        if by_force:
+            r = n_joint + n + sets.tangent_of[k]
+            first, second = -work.impulses.p[r], -work.impulses.p[r + 1]
+        elif again:
             pushed = slip_of(work, sets, k, push)
             taken = -alpha_c * (sets.along[k, 0] * pushed[0] + sets.along[k, 1] * pushed[1])
             if taken > 0.0:
@@ -120,7 +127,37 @@ def pose_modes(model: Any, alpha_c: float, work: SpatialWork, scheme: Any) -> in
         size = math.hypot(first, second)
         if size > 0.0:
             sets.along[k, 0], sets.along[k, 1] = first / size, second / size
+        if turning.counts == 1 and ahead > 0.0:
+            let_turn(work, scheme, k, alpha_c)
     return 0
+
+
+@kernel
+def answer_friction(model: Any, work: SpatialWork, out: FloatArray) -> None:
+    """The acceleration that the friction of the last pass makes."""
+    first = work.rows.n_joint + work.rows.n_contacts
+    for i in range(len(out)):
+        out[i] = 0.0
+    for r in range(first, first + work.rows.n_tangents):
+        add_row(work, r, work.impulses.p[r], out)
+    solve_vector(model, work, out)
+
+
+@kernel
+def let_turn(work: SpatialWork, scheme: Any, k: int, alpha_c: float) -> None:
+    """Let friction of contact k, which slides, turn with its slip at the end of the step."""
+    sets, turning = scheme.sets, scheme.sets.turning
+    r = work.rows.n_joint + work.rows.n_contacts + sets.tangent_of[k]
+    friction = work.rows.mu[k] * work.impulses.p[work.rows.n_joint + k]
+    if not friction > 0.0 or not alpha_c > 0.0:
+        return
+    first, second = slip_of(work, sets, k, scheme.v_new)
+    x, y = -sets.along[k, 1], sets.along[k, 0]
+    now = slip_of(work, sets, k, scheme.w_new)
+    speed = max(first * sets.along[k, 0] + second * sets.along[k, 1], 0.0)
+    turning.yields[k] = speed / (alpha_c * friction)
+    turning.missing[k] = (x * first + y * second) / alpha_c
+    turning.missing[k] -= x * (now[0] + work.rows.bias[r]) + y * (now[1] + work.rows.bias[r + 1])
 
 
 @kernel
@@ -193,6 +230,9 @@ def rest_on(work: SpatialWork, scheme: Any, i: int) -> None:
 @kernel
 def solve_problems(work: SpatialWork, scheme: Any, t: float, last: bool, recorder: Recorder) -> int:
     """The problems laid that are not solved yet; but of positions and strikes with known slip where one slides."""
+    smooth = scheme.phase <= SMOOTH  # or begins anew
+    if not smooth:
+        scheme.sets.turning.counts = 0
     if scheme.phase == POSITION or scheme.order.goes_on == 1:
         return solve_islands(work, t, scheme.tolerance, scheme.warm == 1, last, recorder)
     islands, warm = work.posed.islands, scheme.warm == 1
@@ -200,7 +240,6 @@ def solve_problems(work: SpatialWork, scheme: Any, t: float, last: bool, recorde
         work.impulses.remembered.n_next = 0
         slide_on(work, scheme)
     work.impulses.unsolved_large = 0
-    smooth = scheme.phase <= SMOOTH  # or begins anew
     if smooth and scheme.turn == 0:
         match(work.rows.table, work.rows.n_contacts, scheme.resting, scheme.matched)
     while islands.next < islands.count:

@@ -24,6 +24,7 @@ from lcpflex.dynamics.spatial.acceleration import (
 )
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.dynamics.spatial.shared_sets import share_mixed
+from lcpflex.dynamics.spatial.turning_slip import add_across, eliminate_across
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import OPEN
 from lcpflex.solvers.contact.cones.mixed import judge_mixed, solve_mixed
@@ -66,6 +67,7 @@ def sort_tangents(settings: EventSettings, n: int, work: SpatialWork, memory: An
 def lay_mixed(work: SpatialWork, sets: SpatialContactSets, i: int) -> None:
     """``sets.problem`` of island i."""
     n = pose_on_sets(work, sets, i)
+    eliminate_across(work, sets)
     m = reduce_sets(work, sets)
     problem = sets.problem
     problem.n, problem.m = n, m
@@ -149,6 +151,7 @@ def solve_on_sets(
     counts.worst_size = max(counts.worst_size, problem.m)
     counts.worst_relative = max(counts.worst_relative, solver.strict)
     spread(work, sets, problem.r)
+    add_across(work, sets)
     return RunStatus.DONE
 
 
