@@ -9,7 +9,7 @@ import math
 
 from lcpflex.jit.kernel import FloatArray, kernel
 
-__all__ = ["cholesky", "cholesky_solve", "dot"]
+__all__ = ["cholesky", "cholesky_solve", "dot", "four_dots"]
 
 REDUNDANT = 1e-12  # a pivot below this part of its row's diagonal is a dependent row
 
@@ -30,6 +30,42 @@ def dot(x: FloatArray, y: FloatArray, first: int, n: int) -> float:
     for k in range(whole, n):
         a += x[k] * y[first + k]
     return (a + b) + (c + d)
+
+
+@kernel
+def four_dots(
+    x: FloatArray, s: FloatArray, t: FloatArray, u: FloatArray, v: FloatArray, n: int
+) -> tuple[float, float, float, float]:
+    """:func:`dot` of x with each of four, to the bit: it takes little longer than one."""
+    a = b = c = d = 0.0
+    e = f = g = h = 0.0
+    i = j = k = r = 0.0
+    m = o = p = q = 0.0
+    whole = n - n % 4
+    for z in range(0, whole, 4):
+        x0, x1, x2, x3 = x[z], x[z + 1], x[z + 2], x[z + 3]
+        a += x0 * s[z]
+        b += x1 * s[z + 1]
+        c += x2 * s[z + 2]
+        d += x3 * s[z + 3]
+        e += x0 * t[z]
+        f += x1 * t[z + 1]
+        g += x2 * t[z + 2]
+        h += x3 * t[z + 3]
+        i += x0 * u[z]
+        j += x1 * u[z + 1]
+        k += x2 * u[z + 2]
+        r += x3 * u[z + 3]
+        m += x0 * v[z]
+        o += x1 * v[z + 1]
+        p += x2 * v[z + 2]
+        q += x3 * v[z + 3]
+    for z in range(whole, n):
+        a += x[z] * s[z]
+        e += x[z] * t[z]
+        i += x[z] * u[z]
+        m += x[z] * v[z]
+    return (a + b) + (c + d), (e + f) + (g + h), (i + j) + (k + r), (m + o) + (p + q)
 
 
 @kernel

@@ -13,7 +13,7 @@ from __future__ import annotations
 from typing import Any
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.solvers.semidefinite import dot
+from lcpflex.solvers.semidefinite import dot, four_dots
 
 __all__ = [
     "apply_impulses",
@@ -25,25 +25,77 @@ __all__ = [
 
 
 @kernel
+def alike(row_body: IntArray, part: IntArray, b: int) -> bool:
+    """Whether the rows part[b] and the three behind it are all of the same bodies; from the last, which tells first."""
+    s = part[b]
+    for c in range(3, 0, -1):
+        t = part[b + c]
+        if t < 0 or row_body[t, 0] != row_body[s, 0] or row_body[t, 1] != row_body[s, 1]:
+            return False
+    return True
+
+
+@kernel
+def are_joined(row_body: IntArray, r: int, s: int) -> bool:
+    """Whether rows r and s have a body in common."""
+    if r < 0 or s < 0:
+        return False
+    i, j, k, m = row_body[r, 0], row_body[r, 1], row_body[s, 0], row_body[s, 1]
+    return bool((i >= 0 and i in (k, m)) or (j >= 0 and j in (k, m)))
+
+
+@kernel
+def fill_four(
+    rows: FloatArray, solved: FloatArray, row_body: IntArray, part: IntArray, a: int, b: int, G: FloatArray
+) -> None:
+    """G[a, b] to G[a, b + 3], and what mirrors them, of rows of the same bodies: to the bit as one by one."""
+    width, r, s, t, u, v = rows.shape[2], part[a], part[b], part[b + 1], part[b + 2], part[b + 3]
+    first = second = third = fourth = 0.0
+    for i in range(2):
+        if row_body[r, i] < 0:
+            continue
+        for j in range(2):
+            if row_body[r, i] == row_body[s, j]:
+                w, x, y, z = four_dots(rows[r, i], solved[s, j], solved[t, j], solved[u, j], solved[v, j], width)
+                first, second, third, fourth = first + w, second + x, third + y, fourth + z
+    G[a, b], G[a, b + 1], G[a, b + 2], G[a, b + 3] = first, second, third, fourth
+    G[b, a], G[b + 1, a], G[b + 2, a], G[b + 3, a] = first, second, third, fourth
+
+
+@kernel
+def fill_one(
+    rows: FloatArray, solved: FloatArray, row_body: IntArray, part: IntArray, a: int, b: int, G: FloatArray
+) -> None:
+    """G[a, b] and what mirrors it, of rows that are joined."""
+    width, r, s, total = rows.shape[2], part[a], part[b], 0.0
+    for i in range(2):
+        if row_body[r, i] < 0:
+            continue
+        for j in range(2):
+            if row_body[r, i] == row_body[s, j]:
+                total += dot(rows[r, i], solved[s, j], 0, width)
+    G[a, b] = total
+    G[b, a] = total
+
+
+@kernel
 def delassus(rows: FloatArray, solved: FloatArray, row_body: IntArray, part: IntArray, n: int, G: FloatArray) -> None:
     """G[a, b] = rows_r . A^-1 rows_s for r, s = part[a], part[b] and a, b < n; the blocks of equal bodies only.
 
-    0 where r or s is none, -1.
+    0 where r or s is none, -1. Four columns at a time: sums of one wait for each other, those of four do not.
     """
-    width = rows.shape[2]
     for a in range(n):
-        r = part[a]
-        for b in range(a + 1):
-            s = part[b]
-            total = 0.0
-            for i in range(2 if r >= 0 and s >= 0 else 0):
-                if row_body[r, i] < 0:
-                    continue
-                for j in range(2):
-                    if row_body[r, i] == row_body[s, j]:
-                        total += dot(rows[r, i], solved[s, j], 0, width)
-            G[a, b] = total
-            G[b, a] = total
+        b = 0
+        while b <= a:
+            if not are_joined(row_body, part[a], part[b]):
+                G[a, b] = G[b, a] = 0.0
+                b += 1
+            elif b + 3 <= a and alike(row_body, part, b):
+                fill_four(rows, solved, row_body, part, a, b, G)
+                b += 4
+            else:
+                fill_one(rows, solved, row_body, part, a, b, G)
+                b += 1
 
 
 @kernel

@@ -139,8 +139,17 @@ def lay_mean(memory: FaceMemory, k: int, which: int, body: int, modes: int) -> i
 @kernel
 def clear_rows(rows: FloatArray) -> None:
     """Set rows of three to 0."""
-    for i in range(len(rows)):
-        rows[i, 0], rows[i, 1], rows[i, 2] = 0.0, 0.0, 0.0
+    line = rows.reshape(rows.size)
+    for i in range(len(line)):
+        line[i] = 0.0
+
+
+@kernel
+def copy_rows(rows: FloatArray, to: FloatArray) -> None:
+    """Copy rows of three."""
+    line, other = rows.reshape(rows.size), to.reshape(to.size)
+    for i in range(len(line)):
+        other[i] = line[i]
 
 
 @kernel
@@ -163,5 +172,4 @@ def copy_means(source: FaceMemory, i: int, target: FaceMemory, j: int) -> None:
         first = lay_mean(target, j, which, source.means.body[p], modes)
         for c in range(3):
             target.means.place[to, c] = source.means.place[p, c]
-            for m in range(modes):
-                target.means.phi[first + m, c] = source.means.phi[start + m, c]
+        copy_rows(source.means.phi[start : start + modes], target.means.phi[first : first + modes])

@@ -14,10 +14,10 @@ from lcpflex.contact.spatial.narrow_phase.sides import (
     Frame,
     Motion,
     is_rigid,
-    line_between,
-    line_rate,
     place_in,
     seen_from,
+    three_places,
+    three_sums,
     world_place,
 )
 from lcpflex.contact.spatial.narrow_phase.turning import Turning, set_entry
@@ -63,9 +63,8 @@ class PlaneTurn(NamedTuple):
 @kernel
 def plane_of(points: SpatialPoints, q: FloatArray, frame: Frame, a: int, b: int, c: int) -> Plane:
     """Through the material points a, b, c."""
-    start = place_in(points, q, frame, a)
-    e1 = apart_from(place_in(points, q, frame, b), start)
-    e2 = apart_from(place_in(points, q, frame, c), start)
+    start, second, third = three_places(points, q, frame, a, b, c)
+    e1, e2 = apart_from(second, start), apart_from(third, start)
     n = cross(e1, e2)
     area = norm(n)
     return Plane(start, e1, e2, scaled(1.0 / area, n), area)
@@ -116,10 +115,11 @@ def plane_turn(
     if is_rigid(points, a):
         omega = turned(frame.A, motion.omega)
         return PlaneTurn(t, w, cross(omega, t), cross(omega, w), cross(omega, n), dot(omega, n))
-    first = line_between(points, q, frame, a, b)
-    second = line_between(points, q, frame, a, c)
-    rate1 = line_rate(points, u, frame, motion, a, b, first)
-    rate2 = line_rate(points, u, frame, motion, a, c, second)
+    start, end1, end2 = three_places(points, q, frame, a, b, c)
+    v, v1, v2 = three_sums(points, a, b, c, u, motion.modal)
+    first, second = apart_from(end1, start), apart_from(end2, start)
+    rate1 = turned(frame.A, added(cross(motion.omega, first), apart_from(v1, v)))
+    rate2 = turned(frame.A, added(cross(motion.omega, second), apart_from(v2, v)))
     e1, e2 = turned(frame.A, first), turned(frame.A, second)
     inverse = 1.0 / norm(cross(e1, e2))
     dual1 = scaled(inverse, cross(e2, n))
