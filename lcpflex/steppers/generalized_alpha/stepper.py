@@ -28,6 +28,8 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from lcpflex.basics.options import keep_number, keep_number_or_none
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model.layout import is_spatial
@@ -40,10 +42,12 @@ from lcpflex.steppers.generalized_alpha import (
 )
 from lcpflex.steppers.generalized_alpha.memory import AlphaScheme, alpha_scheme, larger
 from lcpflex.steppers.law_run import refuse_laws
+from lcpflex.steppers.not_finite import not_finite
 from lcpflex.steppers.options import keep_budget, keep_solver
 from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import SUNK, given_or, scales_of
 from lcpflex.steppers.start import started
+from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.strike_order import order_remarks
 from lcpflex.steppers.system import System
 from lcpflex.steppers.time_stepping import Support, TimeStepping
@@ -51,18 +55,39 @@ from lcpflex.steppers.time_stepping import Support, TimeStepping
 __all__ = ["GeneralizedAlpha"]
 
 
-def _remarks(scheme: AlphaScheme, work: Workspace, steps: int | None) -> list[str]:
+# a can held by two soft fingers: lost at 2, 1 and .5 ms, let go at .2 ms; Moreau-Jean holds it to rounding at 2 ms
+BY_IMPULSES = (
+    "friction rubs on bodies with modes here, which steps of generalised-alpha may not follow however short they are: "
+    "expected MoreauJean(step), whose friction is that of impulses, with theta=1.0 where vibrations are to die out"
+)
+
+
+def _is_rubbed(system: System) -> bool:
+    """Whether contacts in space have friction, and bodies modes that it excites."""
+    model = system.model
+    return is_spatial(model) and bool(len(model.bodies.stiffness)) and bool(np.any(model.contacts.friction))
+
+
+def _remarks(rubbed: bool, scheme: AlphaScheme, work: Workspace, steps: int | None) -> list[str]:
     """What a run is warned of."""
-    return [*_unsettled(scheme, steps), *order_remarks(scheme.order, steps)]
+    return [*_unsettled(rubbed, scheme, steps), *order_remarks(scheme.order, steps)]
 
 
-def _unsettled(scheme: AlphaScheme, steps: int | None) -> list[str]:
+def _trouble(system: System, status: int, number: int, scheme: AlphaScheme, work: Workspace) -> str:
+    """Why a run with friction on bodies with modes cannot go on where its state is lost; else empty."""
+    if status not in (RunStatus.NOT_FINITE, RunStatus.SOLVER_FAILED) or not _is_rubbed(system):
+        return ""
+    named = not_finite(system, work)
+    return f"the state is no longer finite ({named}): {BY_IMPULSES}" if named else ""
+
+
+def _unsettled(rubbed: bool, scheme: AlphaScheme, steps: int | None) -> list[str]:
     """Steps of one length in which Newton's method did not converge; error control shortens such steps."""
     if not scheme.unsettled or steps is None:
         return []
     return [
         f"Newton's method on the smooth motion did not converge in {scheme.unsettled} of {steps} steps: "
-        "a shorter step is needed for the forces of this scene"
+        + (BY_IMPULSES if rubbed else "a shorter step is needed for the forces of this scene")
     ]
 
 
@@ -151,7 +176,11 @@ class GeneralizedAlpha:
             tolerance=self.solver_tolerance,
             sunk=SUNK * scales.length,
         )
-        support = Support(grown=partial(larger, system), warnings=_remarks)
+        support = Support(
+            grown=partial(larger, system),
+            warnings=partial(_remarks, _is_rubbed(system)),
+            trouble=partial(_trouble, system),
+        )
         stepping = TimeStepping(system, scheme, self.solver, support, self.on_unsolved, self.budget)
         if is_spatial(system.model):  # its steps end anywhere, also on a seam: it strikes what closes at their ends
             table: Any = stepping.work.rows.table
