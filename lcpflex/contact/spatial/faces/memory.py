@@ -17,7 +17,6 @@ from lcpflex.model.spatial import SpatialPoints, material_points
 
 __all__ = [
     "EACH",
-    "KEPT",
     "MEANS",
     "FaceMemory",
     "FaceSizes",
@@ -31,20 +30,21 @@ __all__ = [
 MEANS = 4  # material points of an entry
 EACH = 2  # numbers of points that one takes: what offsets of modes begin at the one behind it is no point
 KEPT = 96  # points of means that are kept: 25 of the slave and 49 of the master are nodes of faces of nine nodes
+OF_NODE = 10  # those of a node: itself, and the nodes of the face of an element
 
 
 @struct
 class KeptMeans:
-    """Of areas the means made last: see :mod:`lcpflex.contact.spatial.faces.kept`. Of node k in row k - ``first``."""
+    """Means made last, of node or area k in row k - ``first``: see :mod:`lcpflex.contact.spatial.faces.kept`."""
 
-    first: int  # the first node of the model that is an area
+    first: int  # the first node of the model that has samples
     used: int  # 1: by a stepper whose gaps may be wrong by as little as those of kept means are
     count: IntArray = array("areas")  # points that have a part in them; 0: none are kept
     own: IntArray = array("areas")  # of the slave, the first ones
     on: IntArray = array("areas")  # surface of the master
     whole: IntArray = array("areas")  # 1: all samples have a foot
-    point: IntArray = array("areas", KEPT)
-    weight: FloatArray = array("areas", KEPT, 4)  # in S, and in the foot and both tangents of the master
+    point: IntArray = array("areas", "kept")
+    weight: FloatArray = array("areas", "kept", 4)  # in S, and in the foot and both tangents of the master
     area: FloatArray = array("areas")  # common [m^2]
     curvature: FloatArray = array("areas", 3)  # of the master [1/m]
     gap: FloatArray = array("areas")  # when they were made [m]
@@ -89,7 +89,7 @@ FaceSizes: TypeAlias = dict[str, int]  # how much memory the faces of a model ne
 
 def no_faces() -> FaceSizes:
     """Of a model without."""
-    return {"points": 0, "samples": 0, "first": 0, "areas": 0, "modes": 0}
+    return {"points": 0, "samples": 0, "first": 0, "areas": 0, "kept": 0, "modes": 0}
 
 
 def face_sizes(contacts: Any) -> FaceSizes:
@@ -99,10 +99,14 @@ def face_sizes(contacts: Any) -> FaceSizes:
         return no_faces()
     used = [contacts.node_point, contacts.feature_point.ravel(), contacts.cell_point, contacts.sample_point]
     points = 1 + max(int(np.max(some, initial=-1)) for some in used)
-    areas = np.flatnonzero(np.diff(contacts.area_start) > 1)
-    first, end = (int(areas[0]), int(areas[-1]) + 1) if len(areas) else (0, 0)
+    count = np.diff(contacts.area_start)
+    own = np.flatnonzero(count > 0)
+    first, end = (int(own[0]), int(own[-1]) + 1) if len(own) else (0, 0)
+    kept = KEPT if np.max(count, initial=0) > 1 else OF_NODE
     modes = contacts.surface_deflection.shape[1]
-    return {"points": points, "samples": samples, "first": first, "areas": end - first, "modes": modes}
+    return {
+        "points": points, "samples": samples, "first": first, "areas": end - first, "kept": kept, "modes": modes,
+    }  # fmt: skip
 
 
 def face_memory(capacity: int, sizes: FaceSizes | None = None) -> FaceMemory:
