@@ -22,7 +22,7 @@ from lcpflex.dynamics.delassus import delassus, spread
 from lcpflex.dynamics.spatial.contact_problem import has_joints
 from lcpflex.dynamics.spatial.inertia import SpatialArrow, SpatialWork
 from lcpflex.dynamics.spatial.inertia_solve import turn_in
-from lcpflex.dynamics.spatial.point_blocks import has_blocks, mean_block, weigh_modes
+from lcpflex.dynamics.spatial.point_blocks import block_of, has_blocks, mean_block, weigh_modes
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.kinematics.spatial.rotations import rotation_matrix
 from lcpflex.kinematics.spatial.vectors import row_vector
@@ -168,12 +168,13 @@ def mean_of(work: SpatialWork, c: int, side: int) -> Mean:
 @kernel
 def add_pair(work: SpatialWork, a: int, x: int, b: int, y: int, count: int, rank: int, G: FloatArray) -> None:
     """Add what side y of contact b does to side x of contact a, of the same body; ``rank``: numbers of its frame."""
-    sides = work.impulses.solver.sides
-    along, frame = sides.along, sides.frame
-    flexible = sides.touched[a, x, 1] > 0
+    sides, blocks = work.impulses.solver.sides, work.rows.arrow.blocks
+    along, frame, touched = sides.along, sides.frame, sides.touched
     E = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    if flexible:
-        E = mean_block(work.rows.arrow.blocks, mean_of(work, a, x), mean_of(work, b, y))
+    if touched[a, x, 1] == 1 and touched[b, y, 1] == 1:  # most: without a look at what means have
+        E = block_of(blocks, touched[a, x, 2], touched[b, y, 2])
+    elif touched[a, x, 1] > 0:
+        E = mean_block(blocks, mean_of(work, a, x), mean_of(work, b, y))
     for f in range(count):
         u, v, w = along[b, y, f, 0], along[b, y, f, 1], along[b, y, f, 2]
         p = E[0] * u + E[1] * v + E[2] * w
