@@ -16,16 +16,14 @@ from __future__ import annotations
 import math
 
 from lcpflex.contact.spatial.levers import mean_on_i, mean_on_j, radius_of_j
-from lcpflex.contact.spatial.narrow_phase.sides import Mean
 from lcpflex.contact.spatial.table import RIM_FACET, RIM_RIM, SpatialContactTable, by_cylinder
 from lcpflex.dynamics.delassus import delassus, spread
 from lcpflex.dynamics.spatial.contact_problem import has_joints
 from lcpflex.dynamics.spatial.inertia import SpatialArrow, SpatialWork
 from lcpflex.dynamics.spatial.inertia_solve import turn_in
-from lcpflex.dynamics.spatial.point_blocks import block_of, has_blocks, mean_block, weigh_modes
+from lcpflex.dynamics.spatial.point_blocks import add_block, block_of, has_blocks, weigh_modes
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.kinematics.spatial.rotations import rotation_matrix
-from lcpflex.kinematics.spatial.vectors import row_vector
+from lcpflex.kinematics.spatial.rotations import Matrix, rotation_matrix
 from lcpflex.model.spatial import N_RIGID, SpatialModel
 
 __all__ = ["fill_by_blocks", "fill_compliance", "fill_delassus", "is_rough", "is_wide", "moved_by", "wants_white"]
@@ -58,8 +56,8 @@ def moved_by(work: SpatialWork, entry: IntArray, stride: int, n: int) -> int:
 
 @kernel
 def is_bare(table: SpatialContactTable, k: int, side: int) -> bool:
-    """Whether entry k touches body ``side`` where points of the model are: no lever turns with the material."""
-    if table.averaged[k] == 1 or table.kind[k] in (RIM_FACET, RIM_RIM):
+    """Whether entry k touches body ``side`` where material points are: no lever turns with the material."""
+    if table.kind[k] in (RIM_FACET, RIM_RIM):
         return False
     if side == 0:
         return bool(table.radius[k, 0] == 0.0)
@@ -67,10 +65,29 @@ def is_bare(table: SpatialContactTable, k: int, side: int) -> bool:
 
 
 @kernel
-def lay_points(work: SpatialWork, c: int, k: int, side: int) -> bool:
+def lay_parts(work: SpatialWork, c: int, k: int, side: int) -> bool:
+    """Points and weights of a side of contact c, entry k, of which that is a mean; False where there are no blocks."""
+    sides, table, blocks = work.impulses.solver.sides, work.rows.table, work.rows.arrow.blocks
+    faces, touched = table.faces, sides.touched[c, side]
+    first, w = (0, (1.0, 0.0, 0.0)) if side == 0 else (faces.told[k, 0], mean_on_j(table, k).w)
+    touched[1] = faces.told[k, side]
+    for e in range(touched[1]):
+        weights = faces.told_weight[k, first + e]
+        touched[2 + e] = faces.told_point[k, first + e]
+        if side == 0:
+            sides.share[c, side, e] = weights[0]
+        else:
+            sides.share[c, side, e] = w[0] * weights[1] + w[1] * weights[2] + w[2] * weights[3]
+        if not has_blocks(blocks, touched[2 + e]):
+            return False
+    return bool(touched[1] > 0)
+
+
+@kernel
+def lay_points(work: SpatialWork, c: int, k: int, side: int, averaged: bool) -> bool:
     """Body, points and weights of a side of contact c, entry k; False where there are no blocks of it.
 
-    Of a rigid body no points count.
+    Of a rigid body no points count. ``averaged``: of means as well.
     """
     sides, table, blocks = work.impulses.solver.sides, work.rows.table, work.rows.arrow.blocks
     b = work.rows.body[work.rows.n_joint + k, side]
@@ -80,6 +97,8 @@ def lay_points(work: SpatialWork, c: int, k: int, side: int) -> bool:
         return True
     if not is_bare(table, k, side):
         return False
+    if table.averaged[k] == 1:
+        return averaged and lay_parts(work, c, k, side)
     mean = mean_on_i(table, k) if side == 0 else mean_on_j(table, k)
     touched[1], touched[2], touched[3], touched[4] = mean.number, mean.a, mean.b, mean.c
     for e in range(3):
@@ -142,7 +161,7 @@ def lay_contacts(
     for side in range(2):
         last = -1
         for c in range(n):
-            if not lay_points(work, c, entry[stride * c], side):
+            if not lay_points(work, c, entry[stride * c], side, not framed and count == 3):
                 return False
             b = sides.touched[c, side, 0]
             if sides.touched[c, side, 1] > 0 and b != last:
@@ -159,22 +178,28 @@ def lay_contacts(
 
 
 @kernel
-def mean_of(work: SpatialWork, c: int, side: int) -> Mean:
-    """What was laid of a side of contact c."""
-    touched = work.impulses.solver.sides.touched[c, side]
-    return Mean(touched[1], touched[2], touched[3], touched[4], row_vector(work.impulses.solver.sides.share[c], side))
+def block_between(work: SpatialWork, a: int, x: int, b: int, y: int) -> Matrix:
+    """E of side x of contact a and side y of contact b, of one body that has modes: sum of w_a w_b E_ab."""
+    sides, blocks = work.impulses.solver.sides, work.rows.arrow.blocks
+    one, other = sides.touched[a, x], sides.touched[b, y]
+    if one[1] == 1 and other[1] == 1:
+        return block_of(blocks, one[2], other[2])
+    total = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    for e in range(one[1]):
+        for f in range(other[1]):
+            weight = sides.share[a, x, e] * sides.share[b, y, f]
+            total = add_block(total, weight, block_of(blocks, one[2 + e], other[2 + f]))
+    return total
 
 
 @kernel
 def add_pair(work: SpatialWork, a: int, x: int, b: int, y: int, count: int, rank: int, G: FloatArray) -> None:
     """Add what side y of contact b does to side x of contact a, of the same body; ``rank``: numbers of its frame."""
-    sides, blocks = work.impulses.solver.sides, work.rows.arrow.blocks
-    along, frame, touched = sides.along, sides.frame, sides.touched
+    sides = work.impulses.solver.sides
+    along, frame = sides.along, sides.frame
     E = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    if touched[a, x, 1] == 1 and touched[b, y, 1] == 1:  # most: without a look at what means have
-        E = block_of(blocks, touched[a, x, 2], touched[b, y, 2])
-    elif touched[a, x, 1] > 0:
-        E = mean_block(blocks, mean_of(work, a, x), mean_of(work, b, y))
+    if sides.touched[a, x, 1] > 0:
+        E = block_between(work, a, x, b, y)
     for f in range(count):
         u, v, w = along[b, y, f, 0], along[b, y, f, 1], along[b, y, f, 2]
         p = E[0] * u + E[1] * v + E[2] * w

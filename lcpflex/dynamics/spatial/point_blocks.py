@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.contact.spatial.narrow_phase.sides import Mean
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.kinematics.spatial.rotations import Matrix
@@ -27,9 +26,9 @@ from lcpflex.model.spatial import (
 
 __all__ = [
     "PointBlocks",
+    "add_block",
     "block_of",
     "has_blocks",
-    "mean_block",
     "no_blocks",
     "point_blocks",
     "touching_points",
@@ -192,17 +191,3 @@ def add_block(total: Matrix, weight: float, block: Matrix) -> Matrix:
         total[4] + weight * e, total[5] + weight * f, total[6] + weight * g, total[7] + weight * h,
         total[8] + weight * i,
     )  # fmt: skip
-
-
-@kernel
-def mean_block(of: PointBlocks, a: Mean, b: Mean) -> Matrix:
-    """E of two means of points of one body, all of which have blocks: sum of w_a w_b E_ab."""
-    if a.number == 1 and b.number == 1:
-        return block_of(of, a.a, b.a)
-    total = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    for e in range(a.number):
-        p = a.a if e == 0 else (a.b if e == 1 else a.c)
-        for f in range(b.number):
-            r = b.a if f == 0 else (b.b if f == 1 else b.c)
-            total = add_block(total, a.w[e] * b.w[f], block_of(of, p, r))
-    return total

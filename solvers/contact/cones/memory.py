@@ -39,6 +39,7 @@ TOLERANCE = 1e-9  # of residuals, where nobody tells
 LOOK = 8  # sweeps between two judgements
 CRAWLING = 0.7  # of the residual left by LOOK sweeps: too much to go on for its sake
 POLISH = 40  # sweeps at most beyond the tolerance
+TOUCHED = 9  # points of one side of a contact: of a facet of nine nodes
 OF_A_PAIR = 64  # contacts of one pair of bodies whose load can be divided in an island that is not posed, at least
 
 
@@ -65,8 +66,8 @@ class SpatialContactData:
 class Sides:
     """What both sides of contacts have of the Delassus operator, for the mechanics that make it of blocks."""
 
-    touched: IntArray = array("contacts", 2, 5)  # body, how many points of it (0: it is rigid), and these
-    share: FloatArray = array("contacts", 2, 3)  # their weights
+    touched: IntArray = array("contacts", 2, 2 + TOUCHED)  # body, how many points of it (0: it is rigid), and these
+    share: FloatArray = array("contacts", 2, TOUCHED)  # their weights
     along: FloatArray = array("contacts", 2, 3, 3)  # directions of the rows, body axes
     frame: FloatArray = array("contacts", 2, 3, 6)  # what forces along them do to the frame
 

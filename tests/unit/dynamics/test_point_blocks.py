@@ -5,12 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lcpflex.contact.spatial.narrow_phase.sides import Mean, single
 from lcpflex.dynamics.spatial.point_blocks import (
     PointBlocks,
     block_of,
     has_blocks,
-    mean_block,
     point_blocks,
     touching_points,
     weigh_modes,
@@ -65,21 +63,6 @@ def test_blocks_are_products_of_the_shapes() -> None:
                     np.testing.assert_allclose(case.block(p, r), case.product(p, r), rtol=1e-13, atol=1e-14)
                 if p != r:
                     np.testing.assert_array_equal(case.block(p, r), case.block(r, p).T)
-
-
-def test_means_of_points() -> None:
-    """A node with a foot in a facet of the same body, and with itself."""
-    case = Case()
-    case.weigh(0, case.weight)
-    case.weigh(0, case.weight)
-    w = (0.2, 0.5, 0.3)
-    facet = Mean(3, 0, 2, 3, w)
-    mixed = sum(w[k] * case.product(3, p) for k, p in enumerate((0, 2, 3)))
-    found = np.reshape(mean_block(case.blocks, single(3), facet), (3, 3))
-    np.testing.assert_allclose(found, mixed, rtol=1e-13, atol=1e-14)
-    own = sum(w[j] * w[k] * case.product(p, r) for j, p in enumerate((0, 2, 3)) for k, r in enumerate((0, 2, 3)))
-    found = np.reshape(mean_block(case.blocks, facet, facet), (3, 3))
-    np.testing.assert_allclose(found, own, rtol=1e-13, atol=1e-14)
 
 
 def test_other_weights_make_other_blocks() -> None:

@@ -31,6 +31,17 @@ def pressed(friction: float, height: float = 0.01) -> lf.SpatialScene:
     return scene
 
 
+def between(points: str) -> lf.SpatialScene:
+    """Two blocks whose nodes meet amid facets, with friction."""
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    low = lf.Solid.box((0.06, 0.04, 0.02), elements=(4, 3, 2), **STEEL).reduce(6, contact="top", rows="all")
+    high = lf.Solid.box((0.03, 0.02, 0.02), elements=(3, 2, 2), **STEEL).reduce(6, contact="bottom", rows="all")
+    under = scene.add(low, "low", position=(0.0, 0.0, -0.01))
+    over = scene.add(high, "high", position=(0.002, 0.003, 0.01 + 1e-8), velocity=(0.2, 0.0, -1.0))
+    scene.contact(over.face("bottom"), under.face("top"), friction=0.3, points=points, name="hit")
+    return scene
+
+
 @pytest.fixture
 def kept(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """What steps, of each run that is made."""
@@ -45,9 +56,18 @@ def kept(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     return found
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_compliance_of_blocks_is_that_of_rows(friction: float, kept: list[Any]) -> None:
-    lf.simulate(pressed(friction), 20 * STEP, lf.MasslessBoundary(step=STEP), progress=False)
+@pytest.mark.parametrize(
+    ("scene", "friction", "by_blocks"),
+    [
+        (lambda: pressed(0.0), 0.0, True),
+        (lambda: pressed(0.3), 0.3, True),
+        (lambda: between("nodes"), 0.3, True),
+        (lambda: between("areas"), 0.3, False),
+    ],
+)
+def test_compliance_of_blocks_is_that_of_rows(scene: Any, friction: float, by_blocks: bool, kept: list[Any]) -> None:
+    """Of nodes on a ball and on facets of another body; areas have more points than are told."""
+    lf.simulate(scene(), 20 * STEP, lf.MasslessBoundary(step=STEP), progress=False)
     work, model, scheme = kept[-1].work, pack(kept[-1].system.model), kept[-1].scheme
     rows, n = work.rows, int(work.rows.n_contacts)
     assert n > 4
@@ -55,7 +75,10 @@ def test_compliance_of_blocks_is_that_of_rows(friction: float, kept: list[Any]) 
     size = int(work.posed.problem.n_contacts + work.posed.problem.n_tangents)
     assert size == (3 if friction else 1) * n
     found, by_rows = np.zeros((size, size)), np.zeros((size, size))
+    put_array(rows, "solved", np.zeros_like(rows.solved))
+    rows.solved[0, 0, 0] = 7.0
     fill_compliance(model, scheme.q, work, scheme.flexibility, size, found)
+    assert (rows.solved[0, 0, 0] == 7.0) == by_blocks  # these ask for no rows of their own
     spread(work, scheme.flexibility, 0, n + int(rows.n_tangents))
     delassus(rows.J, rows.solved, rows.body, work.posed.part, size, by_rows)
     np.testing.assert_allclose(found, by_rows, rtol=0.0, atol=1e-13 * np.abs(by_rows).max())

@@ -17,7 +17,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from lcpflex.contact.spatial.faces.feet import cell_point, cell_size, parts_along, place_of
-from lcpflex.contact.spatial.faces.memory import FaceMemory, begin_mean, mean_of
+from lcpflex.contact.spatial.faces.memory import MEANS, PARTS, FaceMemory, begin_mean, mean_of
 from lcpflex.contact.spatial.narrow_phase.facet import Plane
 from lcpflex.contact.spatial.narrow_phase.point import axis, farthest_axis
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, seen_from, world_place
@@ -212,3 +212,17 @@ def lay_means(
     lay_mean_of(model, memory, listed[:own], part[:own], size, k, S, bodies[0])
     for which in range(M, T2 + 1):
         lay_mean_of(model, memory, listed[own:], part[own:], size, k, which, bodies[1])
+    tell_parts(memory, listed, part, own, k, size)
+
+
+@kernel
+def tell_parts(memory: FaceMemory, listed: IntArray, part: FloatArray, own: int, k: int, size: float) -> None:
+    """Points and weights of the means of entry k, where these are few."""
+    memory.told[k, 0], memory.told[k, 1] = 0, 0
+    if len(listed) > PARTS:
+        return
+    memory.told[k, 0], memory.told[k, 1] = own, len(listed) - own
+    for at in range(len(listed)):
+        memory.told_point[k, at] = listed[at]
+        for which in range(MEANS):
+            memory.told_weight[k, at, which] = weight_in(part[at], which, size)

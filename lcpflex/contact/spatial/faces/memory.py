@@ -18,6 +18,7 @@ from lcpflex.model.spatial import SpatialPoints, material_points
 __all__ = [
     "EACH",
     "MEANS",
+    "PARTS",
     "FaceMemory",
     "FaceSizes",
     "KeptMeans",
@@ -29,6 +30,7 @@ __all__ = [
 
 MEANS = 4  # material points of an entry
 EACH = 2  # numbers of points that one takes: what offsets of modes begin at the one behind it is no point
+PARTS = 10  # points of an entry that are told: a node, and its foot in a facet of nine nodes
 KEPT = 96  # points of means that are kept: 25 of the slave and 49 of the master are nodes of faces of nine nodes
 OF_NODE = 10  # those of a node: itself, and the nodes of the face of an element
 
@@ -82,6 +84,11 @@ class FaceMemory:
     bend: FloatArray = array(9, 3)  # second derivatives of the shape functions
     corner: FloatArray = array(9, 3)
     curvature: FloatArray = array(3)  # of the master of the present mean [1/m], along both tangents
+    told: IntArray = array(
+        "entries", 2
+    )  # how many points the means of an entry have, of the slave and the master; or 0
+    told_point: IntArray = array("entries", PARTS)  # those of the slave first
+    told_weight: FloatArray = array("entries", PARTS, MEANS)  # their weights in each mean
 
 
 FaceSizes: TypeAlias = dict[str, int]  # how much memory the faces of a model need, by the names of dimensions
@@ -118,7 +125,7 @@ def face_memory(capacity: int, sizes: FaceSizes | None = None) -> FaceMemory:
     flat = np.zeros((MEANS * entries * modes, 3))
     means = material_points(np.zeros(count, np.int64), np.zeros((count, 3)), start, flat, flat.copy())
     kept = allocate(KeptMeans, sizes, first=sizes["first"])
-    made: FaceMemory = allocate(FaceMemory, sizes, means=pack(means), kept=kept, modes=modes)
+    made: FaceMemory = allocate(FaceMemory, {**sizes, "entries": entries}, means=pack(means), kept=kept, modes=modes)
     return made
 
 
@@ -177,3 +184,8 @@ def copy_means(source: FaceMemory, i: int, target: FaceMemory, j: int) -> None:
         for c in range(3):
             target.means.place[to, c] = source.means.place[p, c]
         copy_rows(source.means.phi[start : start + modes], target.means.phi[first : first + modes])
+    target.told[j, 0], target.told[j, 1] = source.told[i, 0], source.told[i, 1]
+    for at in range(source.told[i, 0] + source.told[i, 1]):
+        target.told_point[j, at] = source.told_point[i, at]
+        for which in range(MEANS):
+            target.told_weight[j, at, which] = source.told_weight[i, at, which]
