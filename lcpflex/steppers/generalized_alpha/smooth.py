@@ -5,6 +5,8 @@ See :mod:`lcpflex.steppers.generalized_alpha.stepper` for the scheme.
 
 from __future__ import annotations
 
+import math
+
 from lcpflex.contact.detection import detect
 from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics.acceleration import (
@@ -34,6 +36,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.configuration import advance
+from lcpflex.kinematics.modal_places import first_rate
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.generalized_alpha.memory import (
@@ -127,6 +130,34 @@ def assemble_rows(
 
 
 @kernel
+def restart_damping(model: Model, scheme: AlphaScheme) -> float:
+    """By how much a first acceleration w counts in the damping forces -C (u + this w) that it begins from [s].
+
+    Its own acceleration -c u reverses the velocity of a mode within a step where (1 - gamma) h c > 1, and the scheme
+    would throw it to and fro ever farther from impact to impact. There damping is that of the velocity at gamma h from
+    the start, else 0. What is damped less changes in that one step by a term of second order in h.
+    """
+    reverses = 1.0 / ((1.0 - scheme.gamma) * scheme.step) if scheme.gamma < 1.0 else math.inf
+    for k in range(len(model.bodies.damping)):
+        if model.bodies.damping[k] > reverses:
+            return scheme.gamma * scheme.step
+    return 0.0
+
+
+@kernel
+def damp_restart(model: Model, scheme: AlphaScheme, out: FloatArray) -> None:
+    """Add what the first acceleration counts in the damping forces to these."""
+    ahead, bodies = restart_damping(model, scheme), model.bodies
+    if ahead == 0.0:
+        return
+    for b in range(len(bodies.mass)):
+        first = first_rate(model, b)
+        own = first - (first - bodies.dof[b]) * (b + 1)  # its place among the modes of all
+        for i in range(bodies.dof[b + 1] - first):
+            out[first + i] -= ahead * bodies.damping[own + i] * scheme.w_new[first + i]
+
+
+@kernel
 def pose_smooth(model: Model, h: float, t: float, work: Workspace, scheme: AlphaScheme) -> int:
     """Newton's equation for udot at t + h, with joints and resting contacts at acceleration level.
 
@@ -145,6 +176,10 @@ def pose_smooth(model: Model, h: float, t: float, work: Workspace, scheme: Alpha
             scheme.w_new[i] = scheme.w[i]
     place_end(model, h, scheme)
     alpha_c = h * scheme.gamma * (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
+    if h == 0.0:
+        alpha_c = restart_damping(model, scheme)
+        if alpha_c > 0.0:  # damping counts with all of the first acceleration, not with its change
+            scheme.w_new[:] = 0.0
     alpha_k = h * h * scheme.beta * (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     n_tangent = assemble_rows(model, t + h, alpha_c, alpha_k, n, work, scheme)
     n_joint = work.rows.n_joint
@@ -273,6 +308,7 @@ def apply_smooth(model: Model, h: float, work: Workspace, scheme: AlphaScheme, r
     scheme.skip = 0
     if h == 0.0:
         note_smooth(work, scheme, scheme.start, recorder)
+        damp_restart(model, scheme, scheme.start.damping)
         for law in range(len(scheme.recursive)):
             for i in range(scheme.recursive.shape[1]):
                 scheme.recursive[law, i] = scheme.start.contact[law, i]
