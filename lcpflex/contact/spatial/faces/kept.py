@@ -1,12 +1,11 @@
-"""Means that stand while what they are means of hardly moves.
+"""Means of areas that stand while what they are means of hardly moves.
 
-An area has a hundred samples, whose feet cost more than all else in a step, and a node has one. The weights that they
-give the nodes of both faces stay as they are while the mean has slipped by less than a thousandth of the width of the
-area, and the bodies have turned against each other by as little. S then slides over the plane of the master, as in an
-entry that is not detected anew: nothing is lost on plane faces. Else a gap is wrong by .4 kappa h s where a line of
-samples, with .4 of the weight at most, has passed from a facet to the next: with the curvature kappa, the width h of
-facets and the slip s, three thousandths of what it is wrong by because facets are chords of what they stand for, kappa
-h^2 / 8. A node may pass as a whole, and slip by .4 of that.
+An area has a hundred samples, whose feet cost more than all else in a step. The weights that they give the nodes of
+both faces stay as they are while the mean has slipped by less than a thousandth of the width of the area, and the
+bodies have turned against each other by as little. S then slides over the plane of the master, as in an entry that is
+not detected anew: nothing is lost on plane faces. Else a gap is wrong by .4 kappa h s where a line of samples, with .4
+of the weight at most, has passed from a facet to the next: with the curvature kappa, the width h of facets and the slip
+s, three thousandths of what it is wrong by because facets are chords of what they stand for, kappa h^2 / 8.
 
 Forces act along one line in any case: momenta are as exact as by means made anew. Event-driven stepping, which looks
 for where gaps close, keeps none.
@@ -18,7 +17,7 @@ import math
 
 from lcpflex.contact.spatial.bounds import is_beside_box
 from lcpflex.contact.spatial.faces.means import Standing
-from lcpflex.contact.spatial.faces.memory import FaceMemory
+from lcpflex.contact.spatial.faces.memory import KEPT, FaceMemory
 from lcpflex.contact.spatial.narrow_phase.sides import Frame, seen_from, world_place
 from lcpflex.contact.spatial.table import SpatialContactTable
 from lcpflex.jit.kernel import kernel
@@ -29,7 +28,6 @@ from lcpflex.model.spatial import SpatialModel
 __all__ = ["is_far", "is_kept", "keep", "still_stands"]
 
 SLIPPED = 1e-3  # widths of the area; and radians: the samples of an area are as far from its mean as it is wide
-OF_NODE = 0.4  # of that, of a node: all of its weight may pass to the next facet
 RISEN = 0.1  # widths: what is higher above a face than half a width may meanwhile have another one nearer
 CLOSE = 0.5  # widths: what is nearer has no nearer face
 HALF = 0.5  # of the height up to which samples count: those that have no foot below it are beside the master
@@ -54,7 +52,7 @@ def still_stands(memory: FaceMemory, row: int, over: Standing, i: Frame, j: Fram
     """Whether the means kept in a row are those of the feet, as far as they tell; ``wide``: where samples count."""
     kept = memory.kept
     width = math.sqrt(kept.area[row])
-    most = (OF_NODE if kept.own[row] == 1 else 1.0) * SLIPPED * width
+    most = SLIPPED * width
     if abs(over.x - kept.slip[row, 0]) > most or abs(over.y - kept.slip[row, 1]) > most:
         return False
     high = CLOSE * width
@@ -73,13 +71,13 @@ def keep(
     model: SpatialModel, memory: FaceMemory, node: int, b: int, over: Standing, i: Frame, j: Frame, own: int,
     count: int, area: float, wide: float,
 ) -> None:  # fmt: skip
-    """Keep the means of a node with surface b that were weighed last."""
+    """Keep the means of a node with surface b that were weighed last, if they are those of many samples."""
     c, kept, row = model.contacts, memory.kept, node - memory.kept.first
     first, last = c.area_start[node], c.area_start[node + 1]
-    if kept.used == 0:
+    if kept.used == 0 or last - first <= 1:
         return
     kept.count[row] = 0
-    if count > kept.point.shape[1]:
+    if count > KEPT:
         return
     whole, highest = 1, -math.inf
     for at in range(first, last):

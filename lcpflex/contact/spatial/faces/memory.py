@@ -17,6 +17,7 @@ from lcpflex.model.spatial import SpatialPoints, material_points
 
 __all__ = [
     "EACH",
+    "KEPT",
     "MEANS",
     "PARTS",
     "FaceMemory",
@@ -32,21 +33,20 @@ MEANS = 4  # material points of an entry
 EACH = 2  # numbers of points that one takes: what offsets of modes begin at the one behind it is no point
 PARTS = 10  # points of an entry that are told: a node, and its foot in a facet of nine nodes
 KEPT = 96  # points of means that are kept: 25 of the slave and 49 of the master are nodes of faces of nine nodes
-OF_NODE = 10  # those of a node: itself, and the nodes of the face of an element
 
 
 @struct
 class KeptMeans:
-    """Means made last, of node or area k in row k - ``first``: see :mod:`lcpflex.contact.spatial.faces.kept`."""
+    """Of areas the means made last: see :mod:`lcpflex.contact.spatial.faces.kept`. Of node k in row k - ``first``."""
 
-    first: int  # the first node of the model that has samples
+    first: int  # the first node of the model that is an area
     used: int  # 1: by a stepper whose gaps may be wrong by as little as those of kept means are
     count: IntArray = array("areas")  # points that have a part in them; 0: none are kept
     own: IntArray = array("areas")  # of the slave, the first ones
     on: IntArray = array("areas")  # surface of the master
     whole: IntArray = array("areas")  # 1: all samples have a foot
-    point: IntArray = array("areas", "kept")
-    weight: FloatArray = array("areas", "kept", 4)  # in S, and in the foot and both tangents of the master
+    point: IntArray = array("areas", KEPT)
+    weight: FloatArray = array("areas", KEPT, 4)  # in S, and in the foot and both tangents of the master
     area: FloatArray = array("areas")  # common [m^2]
     curvature: FloatArray = array("areas", 3)  # of the master [1/m]
     gap: FloatArray = array("areas")  # when they were made [m]
@@ -96,7 +96,7 @@ FaceSizes: TypeAlias = dict[str, int]  # how much memory the faces of a model ne
 
 def no_faces() -> FaceSizes:
     """Of a model without."""
-    return {"points": 0, "samples": 0, "first": 0, "areas": 0, "kept": 0, "modes": 0}
+    return {"points": 0, "samples": 0, "first": 0, "areas": 0, "modes": 0}
 
 
 def face_sizes(contacts: Any) -> FaceSizes:
@@ -106,14 +106,10 @@ def face_sizes(contacts: Any) -> FaceSizes:
         return no_faces()
     used = [contacts.node_point, contacts.feature_point.ravel(), contacts.cell_point, contacts.sample_point]
     points = 1 + max(int(np.max(some, initial=-1)) for some in used)
-    count = np.diff(contacts.area_start)
-    own = np.flatnonzero(count > 0)
-    first, end = (int(own[0]), int(own[-1]) + 1) if len(own) else (0, 0)
-    kept = KEPT if np.max(count, initial=0) > 1 else OF_NODE
+    areas = np.flatnonzero(np.diff(contacts.area_start) > 1)
+    first, end = (int(areas[0]), int(areas[-1]) + 1) if len(areas) else (0, 0)
     modes = contacts.surface_deflection.shape[1]
-    return {
-        "points": points, "samples": samples, "first": first, "areas": end - first, "kept": kept, "modes": modes,
-    }  # fmt: skip
+    return {"points": points, "samples": samples, "first": first, "areas": end - first, "modes": modes}
 
 
 def face_memory(capacity: int, sizes: FaceSizes | None = None) -> FaceMemory:
