@@ -231,6 +231,7 @@ WRITERS: dict[str, tuple[str, ...]] = {
         "lcpflex.dynamics.joint_response",
         "lcpflex.dynamics.large_island",
         "lcpflex.dynamics.spatial.gyroscopic",
+        "lcpflex.dynamics.spatial.turning_slip",
         "lcpflex.dynamics.stable_step",
         "lcpflex.kinematics.joint_rows",
         "lcpflex.solvers",

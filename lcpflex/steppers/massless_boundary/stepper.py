@@ -106,6 +106,13 @@ class Remarks:
         return ""
 
 
+def _pose_cones(stepping: TimeStepping) -> None:
+    """Have problems posed with three rows a contact, where nothing rubs as well: so whoever is told knows them."""
+    from lcpflex.solvers.contact.cones.memory import POSED  # which the plane does without
+
+    stepping.work.impulses.solver.method = POSED
+
+
 def _limit(model: Model, scheme: BoundaryScheme, work: Workspace) -> str:
     """What step the posed problem admits, by bisection."""
     low, high = 0.0, scheme.step
@@ -225,6 +232,8 @@ class MasslessBoundary:
             impulsive=False,
         )
         stepping = TimeStepping(system, scheme, self.solver, support)
+        if system.watch is not None and is_spatial(system.model):
+            _pose_cones(stepping)
         stepping.records.compliant = tuple(name for name in system.names if name in self.compliance)
         scheme.q[:], scheme.u[:] = _consistent(system, stepping.work)
         return Run(FixedSteps(stepping, duration, interval, (0.5, 0.5), begun=False))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -139,3 +140,18 @@ def test_fewer_contacts_are_admitted_and_others_asked_for(kept: list[Any]) -> No
     stuck = int(np.flatnonzero(held.key[:count] == work.rows.table.key[last])[0])
     held.sticks[stuck] = 0
     assert not is_admitted(held, work, square)  # one that slid begins to stick
+
+
+def test_who_watches_is_told_of_frictionless_problems() -> None:
+    """They are posed with three rows a contact then, and the motion is the same to the tolerance of solvers."""
+    told: list[int] = []
+    system = pressed(0.0).compiled().system()
+    runs = [
+        lf.MasslessBoundary(step=STEP).start(replace(system, watch=watch), 60 * STEP, STEP)
+        for watch in (None, lambda problem, memory: told.append(int(problem.n_contacts)))
+    ]
+    for run in runs:
+        assert run.advance(60) == ""
+    assert max(told) > 4
+    alone, watched = (run.motion[1] for run in runs)
+    np.testing.assert_allclose(watched, alone, atol=1e-7)
