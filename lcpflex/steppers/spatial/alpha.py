@@ -27,6 +27,7 @@ from lcpflex.dynamics.spatial.acceleration import SLIDING, across, slip_of
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.vectors import dot
+from lcpflex.model.spatial import N_RIGID
 from lcpflex.solvers.contact.index_sets import SMOOTH as FRICTIONLESS, STICKING
 from lcpflex.solvers.contact.recollection import turn_over
 from lcpflex.steppers.event_driven.memory import copy_entry
@@ -144,12 +145,22 @@ def answer_friction(model: Any, work: SpatialWork, out: FloatArray) -> None:
 
 
 @kernel
+def gives_way(work: SpatialWork, r: int) -> bool:
+    """Whether a body of row r has modes: contacts of rigid ones share loads in many ways, by the operator as it is."""
+    found = False
+    for side in range(2):
+        b = work.rows.body[r, side]
+        found = found or (b >= 0 and work.rows.dof[b + 1] - work.rows.dof[b] > N_RIGID)
+    return found
+
+
+@kernel
 def let_turn(work: SpatialWork, scheme: Any, k: int, alpha_c: float) -> None:
-    """Let friction of contact k, which slides, turn with its slip at the end of the step."""
+    """Let friction of contact k, which slides, turn with its slip at the end of the step, where a body gives way."""
     sets, turning = scheme.sets, scheme.sets.turning
     r = work.rows.n_joint + work.rows.n_contacts + sets.tangent_of[k]
     friction = work.rows.mu[k] * work.impulses.p[work.rows.n_joint + k]
-    if not friction > 0.0 or not alpha_c > 0.0:
+    if not friction > 0.0 or not alpha_c > 0.0 or not gives_way(work, r):
         return
     first, second = slip_of(work, sets, k, scheme.v_new)
     x, y = -sets.along[k, 1], sets.along[k, 0]

@@ -237,7 +237,8 @@ def pressed_blocks(across, choice):
 def settled(across, choice):
     """(error of the shortening, unevenness of the pressed faces), relative to the exact shortening; and the result."""
     result = lf.simulate(pressed_blocks(across, choice), 4e-4, lf.GeneralizedAlpha(step=1e-6), record=1e-5)
-    assert np.abs(result.u[-1]).max() < 1e-9
+    turning = result.compiled.model.bodies.dof[:2] + 2  # as one, which nothing keeps them from: by rounding
+    assert np.abs(np.delete(result.u[-1], turning)).max() < 1e-9
     exact = PRESSURE * 2.0 * HEIGHT / MODULUS
     faces = [
         np.array([result.point(name, (SIDE * k / n, y))[-1, 1] for k in range(n + 1)])

@@ -143,8 +143,16 @@ def test_the_massless_boundary_is_chosen_for_what_impacts_make_explode(friction:
     assert result.complete
     gained = result.energies.stored + result.energies.friction - result.energies.stored[0]
     assert np.abs(gained).max() < 1e-3 * result.energies.stored[0]
-    before = lf.simulate(scene, 2.5e-4, lf.GeneralizedAlpha(step=5e-7))
-    assert before.energies.stored[-1] > 10.0 * before.energies.stored[0]
+    assert explodes(scene)
+
+
+def explodes(scene: lf.Scene) -> bool:
+    """Whether impacts step by step gain energy without end; the last digit decides if beyond all numbers."""
+    try:
+        before = lf.simulate(scene, 2.5e-4, lf.GeneralizedAlpha(step=5e-7))
+    except lf.StepError as error:
+        return "no longer finite" in str(error)
+    return bool(before.energies.stored[-1] > 10.0 * before.energies.stored[0])
 
 
 @pytest.mark.parametrize("basis", ["free", "held"])
