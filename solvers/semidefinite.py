@@ -9,7 +9,7 @@ import math
 
 from lcpflex.jit.kernel import FloatArray, kernel
 
-__all__ = ["cholesky", "cholesky_solve", "dot", "four_dots"]
+__all__ = ["backward", "cholesky", "cholesky_solve", "dot", "forward", "four_dots"]
 
 REDUNDANT = 1e-12  # a pivot below this part of its row's diagonal is a dependent row
 
@@ -83,15 +83,27 @@ def cholesky(G: FloatArray, n: int, lower: FloatArray) -> None:
 
 
 @kernel
-def cholesky_solve(lower: FloatArray, n: int, x: FloatArray) -> None:
-    """x <- G^-1 x in place from the factor of :func:`cholesky`; 0 for dependent rows."""
+def forward(lower: FloatArray, n: int, x: FloatArray) -> None:
+    """x <- L^-1 x in place, with the factor of :func:`cholesky`; 0 for dependent rows."""
     for i in range(n):
         total = x[i]
         for k in range(i):
             total -= lower[i, k] * x[k]
         x[i] = total / lower[i, i] if lower[i, i] > 0.0 else 0.0
+
+
+@kernel
+def backward(lower: FloatArray, n: int, x: FloatArray) -> None:
+    """x <- L^-T x in place; 0 for dependent rows."""
     for i in range(n - 1, -1, -1):
         total = x[i]
         for k in range(i + 1, n):
             total -= lower[k, i] * x[k]
         x[i] = total / lower[i, i] if lower[i, i] > 0.0 else 0.0
+
+
+@kernel
+def cholesky_solve(lower: FloatArray, n: int, x: FloatArray) -> None:
+    """x <- G^-1 x in place from the factor of :func:`cholesky`; 0 for dependent rows."""
+    forward(lower, n, x)
+    backward(lower, n, x)

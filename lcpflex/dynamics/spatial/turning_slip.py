@@ -19,7 +19,7 @@ from typing import Any
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import array, struct
-from lcpflex.solvers.semidefinite import cholesky, dot
+from lcpflex.solvers.semidefinite import backward, cholesky, dot, forward
 
 __all__ = ["TurningSlip", "add_across", "eliminate_across"]
 
@@ -38,14 +38,6 @@ class TurningSlip:
     lower: FloatArray = array("dense", "dense")
     right: FloatArray = array("dense")
     force: FloatArray = array("rows")  # of all rows of the operator
-
-
-@kernel
-def forward(lower: FloatArray, n: int, x: FloatArray) -> None:
-    """x <- L^-1 x; 0 for dependent rows."""
-    for i in range(n):
-        total = x[i] - dot(lower[i], x, 0, i)
-        x[i] = total / lower[i, i] if lower[i, i] > 0.0 else 0.0
 
 
 @kernel
@@ -105,17 +97,13 @@ def add_across(work: SpatialWork, sets: Any) -> None:
     turning, problem, part = sets.turning, work.posed.problem, work.posed.part
     if turning.counts == 0:
         return
-    p, n_joint, lower = work.impulses.p, work.rows.n_joint, turning.lower
+    p, n_joint = work.impulses.p, work.rows.n_joint
     m, count, s = problem.n_contacts + problem.n_tangents, turning.count, turning.right
     for r in range(m):
         turning.force[r] = p[n_joint + part[r]]
     for i in range(count):
         s[i] = -(s[i] + dot(turning.rows[i], turning.force, 0, m))
-    for i in range(count - 1, -1, -1):
-        total = s[i]
-        for j in range(i + 1, count):
-            total -= lower[j, i] * s[j]
-        s[i] = total / lower[i, i] if lower[i, i] > 0.0 else 0.0
+    backward(turning.lower, count, s)
     for i in range(count):
         k, r = part[turning.member[i]], n_joint + part[sets.row_here[turning.member[i]]]
         p[r] -= s[i] * sets.along[k, 1]
