@@ -53,5 +53,5 @@ def _sub_faces(surface: PlacedSurface) -> tuple[FloatArray, FloatArray]:
         parts = np.asarray(cell)[np.asarray(HAT_PARTS[len(cell)])]
         middles.append(places[parts].mean(axis=1))
         areas.append(areas_of(places, parts))
-    place = bodies.placed[surface.body].start[0][:3]
+    place = bodies.placed[surface.body].start[0][:3] if surface.body >= 0 else np.zeros(3)
     return place + np.concatenate(middles) @ bodies.rotation(surface.body).T, np.concatenate(areas)

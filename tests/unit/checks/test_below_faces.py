@@ -150,3 +150,15 @@ def test_a_block_tips_at_its_rim_by_nodes_and_a_third_of_an_element_inside_by_ar
     assert bool(turned > 0.05) is tips
     told = [warning for warning in result.warnings if "tips over them" in warning]
     assert bool(told) is (tips and points == "areas")
+
+
+@pytest.mark.parametrize(("width", "aside"), [(0.3, 0.1), (0.1, 0.05)])
+def test_the_side_of_a_box_at_an_edge_of_the_face_is_not_above_it(width: float, aside: float) -> None:
+    """It is flush with the nodes there, from which the last node's foot was gone on."""
+    scene = lf.SpatialScene()
+    body = scene.add(block())
+    scene.join(lf.Weld(body.at(0.0, 0.0, 0.0), scene.ground.at(0.0, 0.0, 0.0)))
+    box = scene.add(lf.Cuboid(width, width, 0.02, density=7800.0), position=(aside, 0.0, 0.035))
+    scene.contact(body.face("top"), box.surface(), points="areas", name="top")
+    result = lf.simulate(scene, 2e-4, lf.MoreauJean(step=1e-5), record=1e-4, progress=False)
+    assert not [text for text in result.warnings if "below the other" in text]

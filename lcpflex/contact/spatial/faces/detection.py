@@ -183,6 +183,7 @@ def depth_below(model: SpatialModel, q: FloatArray, table: SpatialContactTable, 
     outward = NOTHING
     if radius == 0.0:
         outward = turned_back(j.A, turned(of_node.A, row_vector(c.node_normal, node)))
+    memory.foot_on[0] = -1  # else it would go on from that of another place
     find_foot(model, q, radius, table, j, s, 0, place, outward)
     return radius - memory.gap[0] if memory.foot_on[0] >= 0 else 0.0
 
@@ -215,6 +216,7 @@ def depth_of(model: SpatialModel, q: FloatArray, table: SpatialContactTable, s: 
                 depth = radius - (away if radius >= 0.0 else -away)
             else:
                 above = ROUNDING * c.surface_extent[b]
+                memory.foot_on[0] = -1  # else it would go on from that of another place
                 find_foot(model, q, above, table, j, b, 0, seen_from(j, place), outward)
                 depth = -memory.gap[0] if memory.foot_on[0] >= 0 else 0.0
             deepest = max(deepest, depth)
@@ -244,6 +246,7 @@ def depth_along(
         outward = turned_back(j.A, turned(i.A, (normal[0], normal[1], normal[2])))
     deepest = 0.0
     for k in range(count):
+        memory.foot_on[0] = -1  # else it would go on from that of another place
         find_foot(model, q, radius, table, j, s, 0, added(first, scaled((k + 0.5) / count, way)), outward)
         if memory.foot_on[0] >= 0:
             low = radius
