@@ -106,5 +106,7 @@ def add_across(work: SpatialWork, sets: Any) -> None:
     backward(turning.lower, count, s)
     for i in range(count):
         k, r = part[turning.member[i]], n_joint + part[sets.row_here[turning.member[i]]]
+        if not p[n_joint + k] > 0.0:
+            continue  # it opens: no friction without a normal force
         p[r] -= s[i] * sets.along[k, 1]
         p[r + 1] += s[i] * sets.along[k, 0]

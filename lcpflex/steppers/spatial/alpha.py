@@ -104,7 +104,7 @@ def pose_modes(model: Any, alpha_c: float, work: SpatialWork, scheme: Any) -> in
     if again:
         answer_friction(model, work, push)
     for k in range(n):
-        by_force = turned == 1 and turning.yields[k] >= 0.0
+        by_force = turned == 1 and turning.yields[k] >= 0.0 and work.impulses.p[n_joint + k] > 0.0
         turning.yields[k] = -1.0
         if sets.mode[k] != SLIDING:
             continue
