@@ -317,8 +317,7 @@ def solve_contact_forces(
         return RunStatus.UNSETTLED
     if unsettled or (h > 0.0 and not short_enough(model, scheme, h, work)):
         return RunStatus.TOO_LONG if scheme.parts >= scheme.most_parts else RunStatus.PART
-    clock.number = note_depths(scheme.compliance, work)
-    return RunStatus.OUT_OF_RANGE if clock.number >= 0.0 else RunStatus.DONE
+    return RunStatus.DONE
 
 
 @take_step.of(BoundaryScheme)
@@ -339,6 +338,9 @@ def boundary_step(
         if has_strayed(model, scheme, work):
             continue
         if status == RunStatus.DONE:
+            clock.number = note_depths(scheme.compliance, work)
+            if clock.number >= 0.0:
+                return RunStatus.OUT_OF_RANGE
             break
         if status != RunStatus.PART:
             return status
