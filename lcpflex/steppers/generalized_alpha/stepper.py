@@ -57,8 +57,8 @@ __all__ = ["GeneralizedAlpha"]
 
 # a can held by two soft fingers: lost at 2, 1 and .5 ms, let go at .2 ms; Moreau-Jean holds it to rounding at 2 ms
 BY_IMPULSES = (
-    "friction rubs on bodies with modes here, which steps of generalised-alpha may not follow however short they are: "
-    "expected MoreauJean(step), whose friction is that of impulses, with theta=1.0 where vibrations are to die out"
+    "friction rubs on bodies with modes here: expected a shorter step, or MoreauJean(step), whose friction is that of "
+    "impulses, with theta=1.0 where vibrations are to die out"
 )
 
 

@@ -1,4 +1,4 @@
-"""What generalised-alpha advises where friction rubs on bodies with modes: shorter steps did not help there."""
+"""What generalised-alpha advises where friction rubs on bodies with modes: shorter steps alone may not help there."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def stepping_of(friction: float, modes: int) -> Any:
 
 @QUIET
 @pytest.mark.parametrize(("friction", "modes", "rubbed"), [(0.3, 2, True), (0.0, 2, False), (0.3, 0, False)])
-def test_a_shorter_step_is_not_advised_where_friction_rubs_on_modes(friction: float, modes: int, rubbed: bool) -> None:
+def test_another_stepper_is_advised_where_friction_rubs_on_modes(friction: float, modes: int, rubbed: bool) -> None:
     """Neither where the state is lost, nor where Newton's method does not settle."""
     stepping = stepping_of(friction, modes)
     stepping.scheme.unsettled = 3
@@ -33,5 +33,5 @@ def test_a_shorter_step_is_not_advised_where_friction_rubs_on_modes(friction: fl
     assert lost.startswith("the state is no longer finite")
     assert "'body1'" in lost
     for text in (told[0], lost):
-        assert ("expected MoreauJean(step)" in text) is rubbed
+        assert ("or MoreauJean(step)" in text) is rubbed
         assert ("step is too long" in text or "a shorter step is needed" in text) is not rubbed
