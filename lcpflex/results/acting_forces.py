@@ -173,7 +173,7 @@ class ActingForces:
         rows = np.zeros((2, 2, self._width))
         pairs = TouchingPairs(self._compiled, self._model, t, q)
         for c in np.flatnonzero(touching.force.any(axis=1)).tolist():
-            table, k, _ = pairs.of(touching, c)
+            table, k, *_ = pairs.of(touching, c)
             contact_rows(self._model, q, table, k, rows[0], rows[1:])
             row = touching.force[c, 0] * rows[0] + touching.force[c, 1] * rows[1]
             if table.body[k, 0] >= 0:

@@ -26,6 +26,7 @@ class TouchingPair(NamedTuple):
     table: Any  # ContactTable, or SpatialContactTable
     k: int
     side: float  # 1 where stored normals and forces are those of body i of the entry, -1 where they are those of body j
+    margin: float  # up to which gaps are near in that table [m]
 
 
 class TouchingPairs:
@@ -54,7 +55,7 @@ class TouchingPairs:
                 turned = _sizes(side[:, None] * np.asarray(table.normal)[own] - touching.normal[c])
                 best = int((away + TURNED * size * turned).argmin())
                 if away[best] <= share * size:
-                    return TouchingPair(table, int(own[best]), float(side[best]))
+                    return TouchingPair(table, int(own[best]), float(side[best]), share * size)
         raise ModelError(
             f"result: the contact {self._compiled.layout.contacts[law]!r} carries a force at t = {self._t:.6g} s, "
             "where its surfaces are not near each other any more; expected shorter steps"

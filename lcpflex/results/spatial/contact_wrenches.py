@@ -70,7 +70,7 @@ def _along_axes(pair: TouchingPair, force: FloatArray) -> FloatArray:
 def _material(model: SpatialModel, packed: Any, q: FloatArray, pair: TouchingPair, side: int) -> Weights:
     """Material points of body i or j that bear a contact, and their weights."""
     contacts: Any = model.contacts
-    table, k, _ = pair
+    table, k = pair.table, pair.k
     surfaces = surfaces_of(contacts, int(table.key[k]))
     surface = surfaces[side]
     kind = int(contacts.surface_kind[surface])
@@ -105,10 +105,9 @@ def _of_means(
     packed: Any, q: FloatArray, pair: TouchingPair, surfaces: tuple[int, int], parts: list[tuple[int, float]]
 ) -> Weights:
     """Material points of which a side of an entry of two faces is made: parts of its means (number, weight)."""
-    table, k, _ = pair
-    memory = table.faces
+    memory = pair.table.faces
     weights = np.zeros((len(memory.listed), MEANS))
-    count = weigh_entry(packed, q, table, k, *surfaces, weights)
+    count = weigh_entry(packed, q, pair.margin, pair.table, pair.k, *surfaces, weights)
     total = sum((w * weights[:count, which] for which, w in parts), np.zeros(count))
     used = np.flatnonzero(total)
     listed = np.asarray(memory.listed)

@@ -151,17 +151,18 @@ def faces_touch(
 
 @kernel
 def weigh_entry(
-    model: SpatialModel, q: FloatArray, table: SpatialContactTable, k: int, a: int, b: int, weights: FloatArray
-) -> int:
+    model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, k: int, a: int, b: int,
+    weights: FloatArray,
+) -> int:  # fmt: skip
     """Material points of which the means of entry k, of faces a and b, are sums: how many, listed in its memory.
 
-    Rows of ``weights`` are theirs in each of its four means. q: of the table.
+    Rows of ``weights`` are theirs in each of its four means. q, margin: of the table, else other samples have feet.
     """
     c, memory = model.contacts, table.faces
     node = table.key[k] // len(c.feature_kind)
     i, j = frame_of(model.bodies, q, c.surface_body[a]), frame_of(model.bodies, q, c.surface_body[b])
     memory.search += 1
-    find_feet(model, q, sample_reach(model, a, max(0.0, table.gap[k])), table, i, j, b, node)
+    find_feet(model, q, sample_reach(model, a, margin), table, i, j, b, node)
     area = common_area(model, memory, node)
     if not area > 0.0:
         return 0
