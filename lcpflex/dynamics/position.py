@@ -40,6 +40,7 @@ __all__ = [
     "split_forces",
     "static_response",
     "static_sway",
+    "sway",
 ]
 
 GIVE = 0.1  # part of a compliance that is itself a small part of that of the body: it changes that little
@@ -52,15 +53,22 @@ def static_sway(model: Model, flexibility: FloatArray, q: FloatArray) -> float:
     contacts = model.contacts
     largest = 0.0
     for s in range(len(contacts.surface_body)):
-        b = contacts.surface_body[s]
-        if b >= 0:
-            d, e = first_rate(model, b), first_amplitude(model, b)
-            deflection = 0.0
-            for k in range(model.bodies.dof[b + 1] - d):
-                if flexibility[d + k] > 0.0:
-                    deflection += abs(q[e + k]) * contacts.surface_deflection[s, k]
-            largest = max(largest, deflection)
+        largest = max(largest, sway(model, flexibility, s, q[:0], q))
     return largest
+
+
+@kernel
+def sway(model: Model, flexibility: FloatArray, s: int, before: FloatArray, q: FloatArray) -> float:
+    """Upper bound of the way [m] of any point of surface s by the static modes, from ``before`` to q; (0,): from 0."""
+    contacts, way = model.contacts, 0.0
+    b = contacts.surface_body[s]
+    if b >= 0:
+        d, e = first_rate(model, b), first_amplitude(model, b)
+        for k in range(model.bodies.dof[b + 1] - d):
+            if flexibility[d + k] > 0.0:
+                start = before[e + k] if len(before) > 0 else 0.0
+                way += abs(q[e + k] - start) * contacts.surface_deflection[s, k]
+    return way
 
 
 @kernel

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from lcpflex.dynamics.position import sway
 from lcpflex.dynamics.spatial.inertia import SpatialWork
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.kinematics.modal_places import first_amplitude, first_rate
 from lcpflex.model.spatial import SpatialModel
 
 __all__ = ["has_strayed", "look_around"]
@@ -40,18 +40,11 @@ def has_strayed(model: SpatialModel, scheme: Any, work: SpatialWork) -> bool:
 @kernel
 def approach(model: Any, flexibility: FloatArray, before: FloatArray, q: FloatArray) -> float:
     """Upper bound of how much nearer two surfaces come by their static coordinates as these go to those of q [m]."""
-    contacts = model.contacts
     first, second = 0.0, 0.0
-    for s in range(len(contacts.surface_body)):
-        b = contacts.surface_body[s]
-        if b >= 0:
-            d, e = first_rate(model, b), first_amplitude(model, b)
-            way = 0.0
-            for k in range(model.bodies.dof[b + 1] - d):
-                if flexibility[d + k] > 0.0:
-                    way += abs(q[e + k] - before[e + k]) * contacts.surface_deflection[s, k]
-            if way > first:
-                first, second = way, first
-            elif way > second:
-                second = way
+    for s in range(len(model.contacts.surface_body)):
+        way = sway(model, flexibility, s, before, q)
+        if way > first:
+            first, second = way, first
+        elif way > second:
+            second = way
     return first + second
