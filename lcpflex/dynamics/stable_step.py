@@ -22,7 +22,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import array, struct
 from lcpflex.kinematics.joint_rows import joint_rows
-from lcpflex.kinematics.modal_places import first_rate
+from lcpflex.kinematics.modal_places import first_mode, first_rate
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.compiled import sticks
 from lcpflex.solvers.semidefinite import dot
@@ -111,7 +111,7 @@ def fast_modes(model: Model, square: float, flexibility: FloatArray) -> int:
     count = 0
     for b in range(len(bodies.mass)):
         first = first_rate(model, b)
-        own = first - (first - bodies.dof[b]) * (b + 1)  # its place among the modes of all
+        own = first_mode(model, b)
         for i in range(bodies.dof[b + 1] - first):
             if flexibility[first + i] == 0.0 and not bodies.stiffness[own + i] < square:
                 count += 1
@@ -256,7 +256,7 @@ def mark_bodies(model: Model, square: float, flexibility: FloatArray, held: Held
     for b in range(len(bodies.mass)):
         held.bodies[b] = 0
         first = first_rate(model, b)
-        own = first - (first - bodies.dof[b]) * (b + 1)  # its place among the modes of all
+        own = first_mode(model, b)
         for i in range(bodies.dof[b + 1] - first):
             if flexibility[first + i] == 0.0 and not bodies.stiffness[own + i] < square:
                 held.bodies[b] = 1

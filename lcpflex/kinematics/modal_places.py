@@ -7,7 +7,7 @@ from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 
-__all__ = ["first_amplitude", "first_rate"]
+__all__ = ["first_amplitude", "first_mode", "first_rate"]
 
 
 @in_space("lcpflex.kinematics.spatial.modal_places")
@@ -22,3 +22,10 @@ def first_amplitude(model: Model, b: int) -> int:
 def first_rate(model: Model, b: int) -> int:
     """Of body b, the place of the rate of its first modal coordinate in u."""
     return model.bodies.dof[b] + N_RIGID
+
+
+@kernel
+def first_mode(model: Model, b: int) -> int:
+    """Of body b, the place of its first mode among those of all bodies."""
+    first = first_rate(model, b)
+    return first - (first - model.bodies.dof[b]) * (b + 1)

@@ -36,7 +36,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.configuration import advance
-from lcpflex.kinematics.modal_places import first_rate
+from lcpflex.kinematics.modal_places import first_mode, first_rate
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.generalized_alpha.memory import (
@@ -152,7 +152,7 @@ def damp_restart(model: Model, scheme: AlphaScheme, out: FloatArray) -> None:
         return
     for b in range(len(bodies.mass)):
         first = first_rate(model, b)
-        own = first - (first - bodies.dof[b]) * (b + 1)  # its place among the modes of all
+        own = first_mode(model, b)
         for i in range(bodies.dof[b + 1] - first):
             out[first + i] -= ahead * bodies.damping[own + i] * scheme.w_new[first + i]
 

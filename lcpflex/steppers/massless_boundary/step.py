@@ -38,7 +38,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.configuration import advance as move, difference
-from lcpflex.kinematics.modal_places import first_rate
+from lcpflex.kinematics.modal_places import first_mode, first_rate
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.clock import StepClock, StepCount
 from lcpflex.steppers.massless_boundary.booked import audit, note_forces
@@ -141,7 +141,7 @@ def accelerate(model: Model, t: float, h: float, scheme: BoundaryScheme, work: W
         a[i] = work.free.total[i]
     for b in range(len(model.bodies.mass)):
         first = first_rate(model, b)
-        own = first - (first - work.rows.dof[b]) * (b + 1)  # its place among the modes of all
+        own = first_mode(model, b)
         for k in range(work.rows.dof[b + 1] - first):
             a[first + k] += model.bodies.damping[own + k] * (guess[first + k] - work.free.u[first + k])
     n_joint = len(work.scratch.residual)
