@@ -59,7 +59,7 @@ def lay_across(work: SpatialWork, sets: Any) -> None:
         count += 1
     turning.count = count
     for a in range(count):
-        for b in range(count):
+        for b in range(a + 1):
             k, j = part[turning.member[b]], sets.row_here[turning.member[b]]
             turning.own[a, b] = sets.along[k, 0] * turning.rows[a, j + 1] - sets.along[k, 1] * turning.rows[a, j]
         turning.own[a, a] += turning.yields[part[turning.member[a]]]

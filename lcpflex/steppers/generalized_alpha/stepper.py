@@ -55,7 +55,7 @@ from lcpflex.steppers.time_stepping import Support, TimeStepping
 __all__ = ["GeneralizedAlpha"]
 
 
-# a can held by two soft fingers: lost at 2, 1 and .5 ms, let go at .2 ms; Moreau-Jean holds it to rounding at 2 ms
+# light modes that contacts strike move by half of v h under impacts of M alone; Moreau-Jean has damping in them
 BY_IMPULSES = (
     "friction rubs on bodies with modes here: expected a shorter step, or MoreauJean(step), whose friction is that of "
     "impulses, with theta=1.0 where vibrations are to die out"
