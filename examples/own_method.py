@@ -7,6 +7,8 @@ supports touch and slip (set G), and equations 6 to 9 of the paper are a few lin
     (M  J^T) (   udot  )   ( h   )   (W_N + W_G mu_G  W_H) (lambda_N)
     (J   0 ) (-lambda_J) = (gamma) + (       0         0 ) (lambda_H),    gddot = W^T udot + w
 
+Before that, `velocity_rows` is L of equation 1, v_P = L u, of which W_N and W_T are made (equation 3).
+
 Eliminating udot leaves a contact problem, which any solver of the library takes. A step of Moreau-Jean is the same at
 the level of velocities, with all arrays in the middle of the step, q + h/2 u.
 
@@ -114,6 +116,10 @@ def run(folder: Path = Path()) -> lf.Result:
     scene = strip_on_supports()
     start = scene.compile().at()
     print(f"contacts {start.contacts}, joints {start.joints}; sets C {start.C}, N {start.N}, H {start.H}, G {start.G}")
+    hinge = start.velocity_rows("strip", "right") - start.velocity_rows("weight", (0.0, 0.1))
+    print(f"equations 1 and 3 at the hinge: apart by {np.abs(np.abs(hinge) - np.abs(start.J)).max():.1e} of its rows J")
+    assert np.allclose(np.abs(hinge), np.abs(start.J), rtol=0.0, atol=1e-12)
+
     by_hand = acceleration(start)
     library = lf.admissible_accelerations(scene).solutions[0].acceleration
     apart = np.abs(by_hand - library).max() / np.abs(library).max()

@@ -9,6 +9,11 @@ slider nearly rests while the pin runs along the middle of the slot (with a cran
 around), and at the top and the bottom the pin reaches 0.04 mm into the ends. Nothing rubs. All is steel, and e = 0.5 by
 the exact hysteresis damping.
 
+The table of the review has a column of initial conditions with two entries: 31 degrees in the row of the frame, which
+is taken for the angle of the crank at the start, and 0, without a unit, in that of the crank. If that is its angular
+velocity, the yoke starts from rest, and what sets it in motion is a torque or a spin-up that is not printed. It is NOT
+used here: the crank turns at its speed from the start on, and the first revolution differs from one from rest.
+
 Each part of the slot has its own law, from its own radii: external contact at the inner track, internal at the outer
 one and the ends. Laws that know internal contact only (ESDU, Liu, Persson) leave the inner track to Johnson's. Laws are
 lenient: Pereira's is given for clearances up to 10 mm, and the outer track has 60.1 mm. Goldsmith's with m = 1 depends

@@ -14,8 +14,8 @@ import numpy as np
 from lcpflex.accuracy.comparison import Around, around, places_between, rates_between
 from lcpflex.basics.lengths import lengths
 from lcpflex.errors import ModelError
+from lcpflex.kinematics.places import trajectory, velocity
 from lcpflex.model.layout import dimension
-from lcpflex.results.places import trajectory, velocity
 from lcpflex.results.watched_places import gyration, known_places, two_places
 
 if TYPE_CHECKING:

@@ -25,12 +25,12 @@ from lcpflex.dynamics.time_probe import probed
 from lcpflex.dynamics.time_structure import probe_of
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
+from lcpflex.kinematics.places import material_shapes
 from lcpflex.kinematics.relative import Motion, apart, coordinate_gradient
 from lcpflex.model.arrays import Model
 from lcpflex.model.coordinates import ANGULAR
 from lcpflex.model.layout import dimension, is_spatial
 from lcpflex.model.planar import N_RIGID
-from lcpflex.results.places import material_shapes
 from lcpflex.results.result import Result
 from lcpflex.scene.user_system import UserSystem
 

@@ -78,6 +78,7 @@ def mechanics_at(
         gap_tolerance=tolerance,
         velocity_threshold=slow,
         slip_threshold=SLIP_PART * slow,
+        compiled=compiled,
         **parts,
     )
 

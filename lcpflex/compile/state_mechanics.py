@@ -7,17 +7,21 @@ Sources: Ebrahimi & Eberhard 2005, equations 3 to 9; Pfeiffer & Glocker 1996 (in
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lcpflex.basics.arguments import one_of
+from lcpflex.compile.material import material_of
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.kinematics.places import velocity_rows
+from lcpflex.model.arrays import frozen
 from lcpflex.solvers.contact.problem import ContactProblem
 
 if TYPE_CHECKING:
+    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.solvers.contact.spatial import SpatialContactProblem
 
 __all__ = ["CompliantForces", "StateMechanics"]
@@ -121,6 +125,8 @@ class StateMechanics:
         Contacts with a force law that touch: in no index set, they are a part of h.
     gap_tolerance, velocity_threshold, slip_threshold
         What counted as closed [m], as no approach and as no slip [m/s].
+    compiled
+        The scene that this is a state of.
     """
 
     t: float
@@ -163,6 +169,29 @@ class StateMechanics:
     gap_tolerance: float
     velocity_threshold: float
     slip_threshold: float
+    compiled: CompiledScene = field(repr=False)
+
+    def velocity_rows(self, body: str, point: str | tuple[float, ...] = "center") -> FloatArray:
+        """L (2, n) of a material point, in space (3, n): its velocity is rdot_P = L u, world axes.
+
+        Equation 1 of Ebrahimi & Eberhard. A force F at the point adds L^T F to ``h``, and for two points that touch,
+        the first on the first body, W_N = (L_i - L_j)^T n and likewise W_T with the tangents.
+
+        Parameters
+        ----------
+        body
+            Its name.
+        point
+            The name of a point of the body, or its undeformed place (x, y) or (x, y, z) [m] in the frame of the body:
+            anywhere on a rigid body, on the outline or at a named point of a flexible one.
+
+        Raises
+        ------
+        ModelError
+            For a body or point that is none.
+        """
+        model, b, place, phi = material_of(self.compiled, body, point)
+        return frozen(velocity_rows(model, self.q, b, place, phi))
 
     def contact_problem(self, level: str = "acceleration") -> ContactProblem | SpatialContactProblem:
         """The contact problem with the joints condensed: contact accelerations or velocities are G lambda + free.

@@ -8,8 +8,8 @@ import numpy as np
 
 from lcpflex.basics import libs
 from lcpflex.contact.narrow_phase.feature import ARC, SEGMENT
+from lcpflex.kinematics.places import world_places
 from lcpflex.model.coordinates import ALONG, ANGULAR, COMPONENT, DISTANCE
-from lcpflex.results.places import world_places
 
 if TYPE_CHECKING:
     from collections.abc import Collection

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from lcpflex.contact.narrow_phase.feature import SEGMENT
+from lcpflex.kinematics.places import world_places
 from lcpflex.results.drawing import add_line
-from lcpflex.results.places import world_places
 from lcpflex.results.words import with_unit
 
 if TYPE_CHECKING:

@@ -12,11 +12,11 @@ import numpy as np
 from lcpflex.basics.arguments import absent
 from lcpflex.basics.attributes import NamesNearest
 from lcpflex.errors import ModelError
+from lcpflex.kinematics.places import material_shapes, trajectory, turned
 from lcpflex.kinematics.spatial.frames import rotated
 from lcpflex.model.coordinates import ANGULAR, COMPONENT, DISTANCE
 from lcpflex.model.layout import SPACE, dimension
 from lcpflex.results.orientation import body_angle, body_orientation
-from lcpflex.results.places import material_shapes, trajectory, turned
 from lcpflex.results.stored_instants import tells_of_steps
 
 if TYPE_CHECKING:

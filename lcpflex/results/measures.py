@@ -14,6 +14,7 @@ import numpy as np
 
 from lcpflex.basics.arguments import absent, called, numbers
 from lcpflex.errors import ModelError, shown
+from lcpflex.kinematics.places import trajectory, velocity
 from lcpflex.kinematics.spatial.frames import rotated
 from lcpflex.model.planar import N_RIGID
 from lcpflex.model.spatial import N_PLACE
@@ -21,7 +22,6 @@ from lcpflex.results.energy_balance import Energies
 from lcpflex.results.instant import Instant
 from lcpflex.results.joint_reaction import joint_reaction
 from lcpflex.results.orientation import body_angle
-from lcpflex.results.places import trajectory, velocity
 from lcpflex.results.section_forces import body_of_result, mean_step, section_forces
 from lcpflex.results.stress_history import stress_history
 from lcpflex.scene.sensors.forces import (

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.bodies.fem.nodal_material import displacement_rows, material_weights, neighbours
+from lcpflex.kinematics.places import turned
 from lcpflex.model.planar import N_RIGID
 from lcpflex.results.acting_forces import ActingForces
-from lcpflex.results.places import turned
 
 if TYPE_CHECKING:
     from lcpflex.bodies.reduction.mesh_stress import MeshStress

@@ -16,8 +16,8 @@ import numpy as np
 
 from lcpflex.basics.arguments import absent
 from lcpflex.errors import ModelError
+from lcpflex.kinematics.places import turned
 from lcpflex.model.planar import N_RIGID
-from lcpflex.results.places import turned
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene

@@ -11,9 +11,11 @@ from lcpflex.basics.attributes import NamesNearest
 from lcpflex.basics.lazy import attach
 from lcpflex.basics.renamed import GONE, renamed_property
 from lcpflex.compile.coordinates import coordinate_names, velocity_names
+from lcpflex.compile.material import body_index, material_of
 from lcpflex.errors import ModelError
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.kinematics.places import trajectory, velocity
 from lcpflex.model.arrays import OPEN, SLIP, STICK
 from lcpflex.results import later
 from lcpflex.results.contact_history import ContactHistory, ContactPoints, Event, StateArray
@@ -21,8 +23,6 @@ from lcpflex.results.contact_windows import INSTANTS, ContactWindow
 from lcpflex.results.contacts_by_name import history_of
 from lcpflex.results.energy_balance import Energies
 from lcpflex.results.instant import Instant
-from lcpflex.results.material import body_index, material_of
-from lcpflex.results.places import trajectory, velocity
 from lcpflex.results.sensor import SensorHistory, named_sensor
 
 if TYPE_CHECKING:
@@ -242,16 +242,16 @@ class Result(NamesNearest):
         anywhere on a rigid body, on the outline or at a named point of a flexible one. Raises ModelError where there is
         none.
         """
-        model, b, place, phi = material_of(self, body, point)
+        model, b, place, phi = material_of(self.compiled, body, point)
         return trajectory(model, self.q, b, place, phi)
 
     def velocity(self, body: str, point: str | tuple[float, ...]) -> FloatArray:
         """Velocity rdot_P = Rdot + A (Phi qdot + omega J s) of a material point, (m, 2) [m/s], world axes; in space
         v + A (Phi etadot + omega x s), (m, 3).
 
-        body: its name. point: as in :meth:`trajectory`.
+        body: its name. point: as in :meth:`point`.
         """
-        model, b, place, phi = material_of(self, body, point)
+        model, b, place, phi = material_of(self.compiled, body, point)
         return velocity(model, self.q, self.u, b, place, phi)
 
     def verify(

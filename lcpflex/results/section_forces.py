@@ -21,11 +21,11 @@ from lcpflex.basics.arguments import absent, numbers
 from lcpflex.basics.attributes import NamesNearest
 from lcpflex.bodies.fem.line_elements import LineModes, interpolate
 from lcpflex.errors import ModelError, shown
+from lcpflex.kinematics.places import turned
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.model.recovery import LineShapes
 from lcpflex.results.acting_forces import ActingForces, PointLoad, material_of
-from lcpflex.results.places import turned
 from lcpflex.results.stored_instants import follows_modes
 
 if TYPE_CHECKING:

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from lcpflex.contact.narrow_phase.feature import SEGMENT
+from lcpflex.kinematics.places import material_shapes, turned
 from lcpflex.model.layout import is_spatial
 from lcpflex.model.planar import N_RIGID
 from lcpflex.model.recovery import LineShapes, MeshShapes
 from lcpflex.results.drawing import WHOLE, circle_points, features_of, stars, surfaces_of_bodies, view_of
-from lcpflex.results.places import material_shapes, turned
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from lcpflex.basics.arguments import absent
 from lcpflex.errors import ModelError
-from lcpflex.results.places import world_places
+from lcpflex.kinematics.places import world_places
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.kinematics.places import material_shapes, modal_sum
 from lcpflex.kinematics.spatial.frames import rotated
 from lcpflex.model.recovery import MeshShapes
 from lcpflex.model.spatial import N_PLACE, N_RIGID
-from lcpflex.results.places import material_shapes, modal_sum
 from lcpflex.results.shapes_of_scenes import ELEMENTS, VERTEX, Motion, Shape
 from lcpflex.results.spatial.facets import facets_of
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lcpflex.kinematics.places import velocity
 from lcpflex.results.chart_words import told_apart
-from lcpflex.results.places import velocity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

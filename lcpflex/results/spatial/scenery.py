@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from lcpflex.bodies.spatial.shapes import SurfaceShape
+from lcpflex.kinematics.places import material_shapes, modal_sum
 from lcpflex.kinematics.spatial.frames import matrices
 from lcpflex.model.coordinates import ALONG, COMPONENT, DISTANCE
 from lcpflex.model.spatial import N_PLACE
-from lcpflex.results.places import material_shapes, modal_sum
 from lcpflex.results.spatial.facets import Facets, ellipsoid, facets_of
 from lcpflex.results.spatial.surfaces import Part, parts_of
 

@@ -11,7 +11,7 @@ from lcpflex.basics import libs
 from lcpflex.bodies.spatial.shapes import CapsuleShape, CylinderShape, SphereShape, SurfaceShape
 from lcpflex.bodies.spatial.surface import CODES, RIM_POINTS, SpatialKind
 from lcpflex.contact.spatial.kinds import FACET
-from lcpflex.results.places import material_shapes
+from lcpflex.kinematics.places import material_shapes
 from lcpflex.results.spatial.facets import Facets, facets_of, facets_with_edges, sides_of
 
 if TYPE_CHECKING:

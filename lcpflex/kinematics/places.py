@@ -1,4 +1,4 @@
-"""Where material points are in the world: r = R + A (x + Phi q)."""
+"""Where material points are in the world, r = R + A (x + Phi q), and how fast they move."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from lcpflex.model.arrays import Model
 from lcpflex.model.layout import SPACE, dimension
 from lcpflex.model.planar import N_RIGID
 
-__all__ = ["material_shapes", "modal_sum", "trajectory", "turned", "velocity", "world_places"]
+__all__ = ["material_shapes", "modal_sum", "trajectory", "turned", "velocity", "velocity_rows", "world_places"]
 
 
 def turned(angle: FloatArray, s: FloatArray) -> FloatArray:
@@ -47,6 +47,15 @@ def velocity(model: Any, q: FloatArray, u: FloatArray, b: int, place: FloatArray
     s, spin = place + modal_sum(q[:, modal], phi), u[:, d + 2]
     rate = modal_sum(u[:, modal], phi) + np.column_stack([-spin * s[:, 1], spin * s[:, 0]])
     return np.asarray(u[:, d : d + 2] + turned(q[:, d + 2], rate))
+
+
+def velocity_rows(model: Any, q: FloatArray, b: int, place: FloatArray, phi: FloatArray) -> FloatArray:
+    """L (2, ndof) of :func:`velocity`, rdot = L u, at one configuration q (nq,); in space (3, ndof)."""
+    size = dimension(model.bodies)
+    n, d = phi.shape[0], int(model.bodies.dof[b])
+    rates = np.zeros((size.rigid + n, int(model.bodies.dof[-1])))
+    rates[np.arange(size.rigid + n), d + np.arange(size.rigid + n)] = 1.0
+    return velocity(model, np.tile(q, (len(rates), 1)), rates, b, place, phi).T @ rates
 
 
 def modal_sum(q: FloatArray, phi: FloatArray) -> FloatArray:

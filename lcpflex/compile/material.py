@@ -1,31 +1,31 @@
-"""Material points that a result is asked about: by their names, or by their places."""
+"""Material points that a scene or its result is asked about: by their names, or by their places."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lcpflex.basics.arguments import absent, numbers
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.kinematics.places import material_shapes
 from lcpflex.model.layout import dimension
-from lcpflex.results.places import material_shapes
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
-    from lcpflex.model.arrays import Model
-    from lcpflex.results.result import Result
 
 __all__ = ["body_index", "material_of"]
 
 
-def material_of(result: Result, body: str, point: str | tuple[float, ...]) -> tuple[Model, int, FloatArray, FloatArray]:
-    """Body index, undeformed place (2,) and shapes (n, 2) of a named or placed point."""
-    if result.compiled is None:
+def material_of(
+    compiled: CompiledScene | None, body: str, point: str | tuple[float, ...]
+) -> tuple[Any, int, FloatArray, FloatArray]:
+    """The model, body index, undeformed place (2,) and shapes (n, 2) of a named or placed point; in space 3 for 2."""
+    if compiled is None:
         raise ModelError("point: a system of the user's own has no material points; expected the result of a Scene")
-    layout, model = result.compiled.layout, result.compiled.model
-    b = body_index(result.compiled, body)
+    layout, model = compiled.layout, compiled.model
+    b = body_index(compiled, body)
     if isinstance(point, str):
         if (body, point) not in layout.points:
             known = tuple(name for owner, name in layout.points if owner == body)
@@ -40,7 +40,7 @@ def material_of(result: Result, body: str, point: str | tuple[float, ...]) -> tu
             f"point: {shown(point)} was given, expected the name of a point or {words} finite numbers "
             f"({', '.join(axes)})"
         )
-    phi = _shapes_at(result.compiled, b, place)
+    phi = _shapes_at(compiled, b, place)
     if phi is None:
         handle = "body.node(x, y)" if len(axes) == 2 else "a joint, load or sensor at body.at(x, y, z)"
         raise ModelError(
