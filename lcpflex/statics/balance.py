@@ -3,7 +3,9 @@
     h(q) + J^T mu + W_N lambda_N + W_T lambda_T = 0,    phi(q) = 0,    0 <= g(q)  _|_  lambda_N >= 0
 
 h holds all generalised forces at u = 0 and one time; rows are ordered [joints; normals; tangents of contacts with
-friction]. Kernels are those of the steppers, so that what balances here balances there.
+friction], in space two tangents of a contact one behind the other. Kernels are those of the steppers, so that what
+balances here balances there. Forces and rows belong to velocities, and so do displacements dq: ndof numbers, of which a
+configuration of space has one more a body (:mod:`lcpflex.kinematics.configuration`).
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics import mechanics
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.kinematics.configuration import advance, difference
 from lcpflex.kinematics.joint_rows import joint_residual
 
 if TYPE_CHECKING:
@@ -28,14 +31,15 @@ __all__ = ["Balance", "Configuration"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Configuration:
-    """What :class:`Balance` tells of a configuration with r joint rows, n contacts, m of them with friction."""
+    """What :class:`Balance` tells of a configuration with r joint rows, n contacts and m tangential rows."""
 
-    q: FloatArray  # (ndof,)
+    q: FloatArray  # (nq,), as many as ndof in the plane
     force: FloatArray  # (ndof,) h
     phi: FloatArray  # (r,) [m] or [rad]
     gap: FloatArray  # (n,) [m]
     friction: FloatArray  # (n,) mu
     tangent: IntArray  # (m,) contact of each tangential row
+    d: int  # tangential rows of a contact with friction, one behind the other: 1, in space 2
     rows: FloatArray  # (r + n + m, ndof)
 
     @property
@@ -60,7 +64,7 @@ class Balance:
         self._system = compiled.system()
         self.model = self._system.model
         self._supply = self._system.hooks.get(mechanics.supply)
-        self._still = np.zeros(len(compiled.q))
+        self._still = np.zeros(len(compiled.u))
         self._work = self._system.workspace(16)
         self.n_contacts = 0
         self.push: tuple[FloatArray, float] | None = None
@@ -70,21 +74,33 @@ class Balance:
         """Memory, with the table of contacts and the rows laid last."""
         return self._work
 
+    def moved(self, q: FloatArray, dq: FloatArray) -> FloatArray:
+        """q (nq,) moved by dq (ndof,): their sum in the plane, rotations of space one behind the other."""
+        there = np.empty(len(q))
+        advance(self.model, q, dq, 1.0, there)
+        return there
+
+    def difference(self, q: FloatArray, before: FloatArray) -> FloatArray:
+        """The dq (ndof,) that moves ``before`` (nq,) to q (nq,), rotations of space the shortest way."""
+        dq = np.empty(len(self._still))
+        difference(self.model, before, q, dq)
+        return dq
+
     def look(self, q: FloatArray, margin: float) -> Configuration:
-        """Forces and rows at q (ndof,), with all contacts whose gap is ``margin`` [m] at most."""
+        """Forces and rows at q (nq,), with all contacts whose gap is ``margin`` [m] at most."""
         while (found := int(detect(self.model, q, margin, self._work.rows.table))) > len(self._work.rows.table.key):
             self._work = self._system.workspace(2 * found)
         self.n_contacts = found
         return self.again(q)
 
     def again(self, q: FloatArray) -> Configuration:
-        """Forces and rows at q (ndof,), with the contacts found last."""
+        """Forces and rows at q (nq,), with the contacts found last."""
         work, n = self._work, self.n_contacts
         self._lay(q)
         n_joint = len(work.scratch.residual)
         n_tangent = int(work.rows.n_tangents)
         total = n_joint + n + n_tangent
-        rows = np.zeros((total, len(q) + 1))
+        rows = np.zeros((total, len(self._still) + 1))
         columns = self._columns(total)
         each = np.arange(total)[:, None]
         for side in range(2):
@@ -100,19 +116,20 @@ class Balance:
             gap=work.rows.table.gap[:n].copy(),
             friction=work.rows.mu[:n].copy(),
             tangent=work.rows.tangent[:n_tangent].copy(),
+            d=int(work.rows.across),
             rows=rows,
         )
 
     def pull(self, q: FloatArray, p: FloatArray) -> FloatArray:
-        """h + rows^T p (ndof,) at q with the contacts found last and the multipliers p of all rows."""
+        """h + rows^T p (ndof,) at q (nq,) with the contacts found last and the multipliers p of all rows."""
         self._lay(q)
-        pushed = np.zeros(len(q))
+        pushed = np.zeros(len(self._still))
         if self.push is not None:
             n_joint = len(self._work.scratch.residual)
             pushed, p = p[n_joint] * self.push[0], np.delete(p, n_joint)
         columns = self._columns(len(p))
         parts = (self._work.rows.J[: len(p)] * p[:, None, None]).ravel()
-        held = np.bincount(columns.ravel(), weights=parts, minlength=len(q) + 1)[:-1]
+        held = np.bincount(columns.ravel(), weights=parts, minlength=len(pushed) + 1)[:-1]
         return np.asarray(self._work.free.total + pushed + held)
 
     def _lay(self, q: FloatArray) -> None:

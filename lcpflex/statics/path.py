@@ -71,7 +71,7 @@ class Path:
     Parameters
     ----------
     balance, scales, q
-        Forces and rows of a scene, how large they are, and where the path begins (ndof,).
+        Forces and rows of a scene, how large they are, and where the path begins (nq,).
     known
         Multipliers of a place of rest that it begins at: damping is less then, which would hold back
         what a drive moves, and friction counts slip from there on.
@@ -82,7 +82,7 @@ class Path:
         self.longest = SHORT * float(scales.extent.min())
         self.soft = softest(balance.model, scales)
         self.largest = 0.0  # force on the path so far [N]
-        self.station = self._station(q, known or {}, 0.0, np.zeros_like(q))
+        self.station = self._station(q, known or {}, 0.0, np.zeros(len(scales.arm)))
         self._alpha, self._first = 0.0, 1.0 if known is None else SLOWLY
         self._slip = Slip(balance, known is not None)
         self._solver = Auto(budget=SOLVING)
@@ -130,7 +130,7 @@ class Path:
         here = self.station
         known, moved = self.multipliers(here.at, p), self.scales.moved(dq)
         self._slip.add(here.at, dq, p, moved)
-        self.station = self._station(here.at.q + dq, known, here.travelled + moved, dq)
+        self.station = self._station(self.balance.moved(here.at.q, dq), known, here.travelled + moved, dq)
 
     def back(self) -> None:
         """Look at the contacts of the last station again, after others have been looked at."""
@@ -193,7 +193,7 @@ class Path:
         """Whether the forces and gaps at the end of a step are those that its linearisation foresaw."""
         moved = self.scales.moved(dq)
         damping = alpha * (M @ dq)
-        missed = self.balance.pull(here.at.q + dq, p) - damping
+        missed = self.balance.pull(self.balance.moved(here.at.q, dq), p) - damping
         gaps = self.balance.work.rows.table.gap[: here.at.n_contacts]
         sunk = float(np.max(np.minimum(here.at.gap, 0.0) - gaps, initial=0.0))
         if sunk > SUNK * moved + ROUNDING * self.scales.size:

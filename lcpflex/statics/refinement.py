@@ -77,7 +77,7 @@ def coordinate_units(K: FloatArray, scales: Scales, force: float | FloatArray) -
 
 
 def refined(balance: Balance, scales: Scales, path: Path) -> FloatArray | None:
-    """The place of rest (ndof,) next to the last station of the path; None where Newton's method finds none."""
+    """The place of rest (nq,) next to the last station of the path; None where Newton's method finds none."""
     here = path.station
     if here.scale == 0.0:
         return here.at.q
@@ -111,8 +111,8 @@ def refined(balance: Balance, scales: Scales, path: Path) -> FloatArray | None:
             K = tangent_stiffness(balance, scales, q, p)
         before = left
         dq, p = _newton(K, sets, at, coordinate_units(K, scales, here.scale))
-        q = q + dq
-        if not scales.moved(q - here.at.q) <= path.longest:
+        q = balance.moved(q, dq)
+        if not scales.moved(balance.difference(q, here.at.q)) <= path.longest:
             break
     return best if best_left <= EXACT else near if near_left <= CLOSED else None
 

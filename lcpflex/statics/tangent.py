@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model.planar import N_RIGID
+from lcpflex.model.layout import dimension
 from lcpflex.statics.balance import Balance
 from lcpflex.statics.scales import Scales
 
@@ -19,19 +19,20 @@ def tangent_stiffness(balance: Balance, scales: Scales, q: FloatArray, p: FloatA
 
     Central differences: about ten digits of what changes over the extent of a body.
     """
-    n = len(q)
+    n, rigid = len(scales.arm), dimension(balance.model.bodies).rigid
     K = np.empty((n, n))
     dof = balance.model.bodies.dof
     body = np.searchsorted(dof, np.arange(n), side="right") - 1
     step = SHARE * scales.extent[body] / scales.arm
     for i in range(n):
-        ahead, behind = q.copy(), q.copy()
-        ahead[i] += step[i]
-        behind[i] -= step[i]
-        K[:, i] = (balance.pull(behind, p) - balance.pull(ahead, p)) / (ahead[i] - behind[i])
+        way = np.zeros(n)
+        way[i] = step[i]
+        ahead, behind = balance.moved(q, way), balance.moved(q, -way)
+        apart = balance.difference(ahead, behind)[i]  # which rounding of q makes another length than 2 steps
+        K[:, i] = (balance.pull(behind, p) - balance.pull(ahead, p)) / apart
     for b in range(len(dof) - 1):  # linear springs of modes are known: nothing of theirs is to be lost
-        modes = np.arange(dof[b] + N_RIGID, dof[b + 1])
-        own = balance.model.bodies.stiffness[modes - N_RIGID * (b + 1)]
+        modes = np.arange(dof[b] + rigid, dof[b + 1])
+        own = balance.model.bodies.stiffness[modes - rigid * (b + 1)]
         linear = np.abs(K[modes, modes] - own) <= 1e-7 * np.abs(own)
         K[modes[linear], modes[linear]] = own[linear]
     return K
