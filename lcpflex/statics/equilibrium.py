@@ -28,7 +28,7 @@ from lcpflex.statics.rest import Rest
 from lcpflex.statics.scales import Scales, scales_of
 from lcpflex.statics.words import what_moves
 
-__all__ = ["Problem", "come_to_rest", "equilibrium", "stated"]
+__all__ = ["Problem", "come_to_rest", "compiled_at_rest", "equilibrium", "stated", "stated_of"]
 
 FAR = 20.0  # sizes of the scene: how far a path goes where nothing else is said
 NEAR = 1e-4  # residual from which on the place of rest is looked for by Newton's method
@@ -124,7 +124,17 @@ def stated(
     scene: Scene, initial: Result | Rest | None, farthest: float | None, time: float | None, budget: Budget
 ) -> tuple[Problem, Path]:
     """What :func:`equilibrium` is asked, checked, with a path that begins where it says."""
-    compiled = _compiled(scene)
+    return stated_of(compiled_at_rest(scene), initial, farthest, time, budget)
+
+
+def stated_of(
+    compiled: CompiledScene,
+    initial: Result | Rest | None,
+    farthest: float | None,
+    time: float | None,
+    budget: Budget,
+) -> tuple[Problem, Path]:
+    """The same of a scene that :func:`compiled_at_rest` compiled."""
     q = _start(compiled, initial)
     held = 0.0 if time is None else in_range("time", time, -math.inf, math.inf)
     balance = Balance(compiled, held)
@@ -184,7 +194,7 @@ def _with_axial_loads(found: Rest, time: float) -> Rest:
     )
 
 
-def _compiled(scene: Any) -> CompiledScene:
+def compiled_at_rest(scene: Any) -> CompiledScene:
     """Of rigid contacts alone, each of a rule listed."""
     refuse_space("equilibrium", scene, instead=IN_SPACE)
     if not isinstance(scene, Scene):

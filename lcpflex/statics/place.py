@@ -75,6 +75,7 @@ def rest_at(compiled: CompiledScene, balance: Balance, scales: Scales, path: Pat
         residual=residual,
         travelled=path.station.travelled,
         steps=steps,
+        time=balance.time,
         warnings=compiled.warnings,
         compiled=compiled,
         trace=trace,

@@ -129,6 +129,8 @@ class Rest:
         Largest force that is not balanced, relative to the largest that acts.
     travelled
         Length of the path from the start, of the point that moves most in each of its ``steps`` [m].
+    time
+        At which loads and drives are taken [s].
     warnings
         Of the compiled scene, and of axial loads that the bending of beams does not feel.
     trace
@@ -146,6 +148,7 @@ class Rest:
     residual: float
     travelled: float
     steps: int
+    time: float
     warnings: tuple[str, ...]
     compiled: CompiledScene = field(repr=False)
     trace: Trace = field(repr=False)
