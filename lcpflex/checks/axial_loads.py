@@ -85,6 +85,7 @@ def _in_space(result: Result, compiled: CompiledScene) -> Result:
     if not beams or len(result.times) < 2:
         return result
     from lcpflex.checks.spatial_axial_loads import spatial_axial_loads  # which scenes without beams do without
+    from lcpflex.results.section_forces import mean_step
 
     instants, calm = _instants(result, compiled, beams)
     instants = instants[np.unique(np.linspace(0, len(instants) - 1, IN_SPACE).astype(np.int64))]
@@ -92,7 +93,7 @@ def _in_space(result: Result, compiled: CompiledScene) -> Result:
     wrong: list[str] = []
     for b in beams:
         try:
-            told, buckles = spatial_axial_loads(result, compiled, b, instants, calm, LASTS)
+            told, buckles = spatial_axial_loads(result, compiled, b, instants, calm, LASTS, mean_step(result))
         except (LcpflexError, np.linalg.LinAlgError):  # functions that are not there, a state that went astray
             continue
         if told:
@@ -107,6 +108,8 @@ def axial_loads_at(compiled: CompiledScene, t: float, q: FloatArray, touching: A
 
     touching: as the ``contact_points`` of a result with one instant.
     """
+    if is_spatial(compiled.model):
+        return _in_space_at(compiled, t, q, touching)
     beams = _beams(compiled, actual=False)
     warnings: list[str] = []
     wrong: list[str] = []
@@ -129,6 +132,28 @@ def axial_loads_at(compiled: CompiledScene, t: float, q: FloatArray, touching: A
         share = critical_share(compiled, b, axis, q, _inside(N), forces.supports) if N.min() < 0.0 else 0.0
         worst = Worst(force, t, float(axis.station[x]), share, _gives_way(compiled, b, axis, q, share))
         (wrong if worst.buckles else warnings).append(_told(compiled.layout.bodies[b], axis, worst))
+    return warnings, wrong
+
+
+def _in_space_at(compiled: CompiledScene, t: float, q: FloatArray, touching: Any) -> tuple[list[str], list[str]]:
+    """The same of a spatial scene."""
+    beams = [b for b, shapes in enumerate(compiled.recovery) if isinstance(shapes, SpatialLineShapes)]
+    warnings: list[str] = []
+    wrong: list[str] = []
+    if not beams:
+        return warnings, wrong
+    from lcpflex.checks.spatial_axial_loads import spatial_axial_loads  # which scenes without beams do without
+
+    pressed = np.zeros((1, len(compiled.layout.contacts), 1))
+    np.add.at(pressed, (0, touching.contact, 0), touching.force[:, 0])
+    still = np.zeros((1, len(compiled.u)))
+    rest: Any = SimpleNamespace(
+        times=np.array([t]), q=q[None], u=still, force=pressed, contact_points=touching, outside=None
+    )
+    for b in beams:
+        told, buckles = spatial_axial_loads(rest, compiled, b, np.zeros(1, np.int64), True, 0.0, 0.0)
+        if told:
+            (wrong if buckles else warnings).append(told)
     return warnings, wrong
 
 

@@ -27,7 +27,6 @@ from lcpflex.jit.struct import pack
 from lcpflex.model.recovery import SpatialLineShapes
 from lcpflex.model.spatial import N_RIGID
 from lcpflex.results.result import Result
-from lcpflex.results.section_forces import mean_step
 from lcpflex.results.spatial.section_forces import spatial_section_forces
 
 __all__ = ["spatial_axial_loads"]
@@ -45,17 +44,23 @@ NEAR = 1e-6  # of the size of the scene: gaps of contacts that press
 
 
 def spatial_axial_loads(
-    result: Result, compiled: CompiledScene, b: int, instants: IntArray, calm: bool, lasts: float
+    result: Result,
+    compiled: CompiledScene,
+    b: int,
+    instants: IntArray,
+    calm: bool,
+    lasts: float,
+    step: float,
 ) -> tuple[str, bool]:
     """What is to be said of beam b, in words, and whether it buckles: bears BUCKLED of that load for ``lasts``.
 
     calm: whether ``instants`` are without collisions; else the one of median compression is taken. lasts: in its
-    slowest vibrations.
+    slowest vibrations. step: mean one of the run [s], 0 of a place of rest.
     """
     line = compiled.recovery[b]
     assert isinstance(line, SpatialLineShapes)
     x = np.linspace(-0.5 * line.length, 0.5 * line.length, len(line.shapes))
-    N = _uncounted(result, compiled, b, line, instants, x)
+    N = _uncounted(result, compiled, b, line, instants, x, step)
     least = N.min(axis=1)
     when = int(least.argmin() if calm else np.argsort(least)[len(least) // 2])
     if not least[when] < 0.0:
@@ -78,10 +83,16 @@ def spatial_axial_loads(
 
 
 def _uncounted(
-    result: Result, compiled: CompiledScene, b: int, line: SpatialLineShapes, instants: IntArray, x: FloatArray
+    result: Result,
+    compiled: CompiledScene,
+    b: int,
+    line: SpatialLineShapes,
+    instants: IntArray,
+    x: FloatArray,
+    step: float,
 ) -> FloatArray:
     """N (instants, nodes) that the stiffness of beam b does not count with [N]: neither spin nor the force given."""
-    N = np.array(spatial_section_forces(result, compiled, b, x, mean_step(result), instants).N)
+    N = np.array(spatial_section_forces(result, compiled, b, x, step, instants).N)
     if not len(line.spin):
         return N
     d = int(compiled.model.bodies.dof[b])

@@ -43,7 +43,7 @@ def started_from(
     Raises ModelError for what is neither, holds no instant, or is of other coordinates.
     """
     if isinstance(initial, Rest):
-        q, u = np.array(initial.q), np.zeros(len(initial.q))
+        q, u = np.array(initial.q), np.zeros(len(initial.compiled.u))
     elif not isinstance(initial, Result):
         raise ModelError(
             f"initial: {shown(initial)} was given, expected a Result, as simulate() returns it, or a Rest, as "

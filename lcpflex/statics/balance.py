@@ -11,7 +11,7 @@ configuration of space has one more a body (:mod:`lcpflex.kinematics.configurati
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.kinematics.configuration import advance, difference
 from lcpflex.kinematics.joint_rows import joint_residual
+from lcpflex.model.layout import is_spatial
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
@@ -85,6 +86,13 @@ class Balance:
         dq = np.empty(len(self._still))
         difference(self.model, before, q, dq)
         return dq
+
+    def tangents(self, k: int) -> FloatArray:
+        """(2, 3) t1 and t2 of contact k, found last, world axes; in the plane (1, 1): a number is along t."""
+        if not is_spatial(self.model):
+            return np.eye(1)
+        table: Any = self._work.rows.table
+        return np.stack([table.tangent[k], np.cross(table.normal[k], table.tangent[k])])
 
     def look(self, q: FloatArray, margin: float) -> Configuration:
         """Forces and rows at q (nq,), with all contacts whose gap is ``margin`` [m] at most."""

@@ -15,6 +15,7 @@ from lcpflex.errors import ModelError, SolverError, in_range
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.planar import N_RIGID
 from lcpflex.results.result import Result
+from lcpflex.scene.planar_only import refuse_space
 from lcpflex.scene.scene import Scene
 from lcpflex.statics.equilibrium import Problem, come_to_rest, stated
 from lcpflex.statics.path import Path
@@ -93,6 +94,7 @@ def equilibria(
     -----
     Six pushes a body and place, each of ten steps a length of the smallest body: seconds for a few bodies.
     """
+    refuse_space("equilibria", scene)
     with budgeted(in_range("budget", budget, 0.0, math.inf, open_ends=True)) as allowed:
         problem, path = stated(scene, initial, farthest, time, allowed)
         chosen = _bodies(problem, bodies)

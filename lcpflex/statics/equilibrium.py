@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,13 +12,13 @@ from lcpflex.basics.arguments import listed, optional_flag
 from lcpflex.basics.progress import Progress
 from lcpflex.basics.stopwatch import Budget, budgeted
 from lcpflex.checks.axial_loads import axial_loads_at
-from lcpflex.compile.compilation import compiled_scene
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.errors import ModelError, SolverError, in_range, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import SLIP, STICK
+from lcpflex.results.contact_history import ContactPoints
 from lcpflex.results.result import Result
-from lcpflex.scene.planar_only import refuse_space
+from lcpflex.scene import compiling
 from lcpflex.scene.scene import Scene
 from lcpflex.statics.balance import Balance
 from lcpflex.statics.path import Path
@@ -28,6 +27,9 @@ from lcpflex.statics.rest import Rest
 from lcpflex.statics.scales import Scales, scales_of
 from lcpflex.statics.words import what_moves
 
+if TYPE_CHECKING:
+    from lcpflex.scene.spatial.scene import SpatialScene
+
 __all__ = ["Problem", "come_to_rest", "compiled_at_rest", "equilibrium", "stated", "stated_of"]
 
 FAR = 20.0  # sizes of the scene: how far a path goes where nothing else is said
@@ -35,16 +37,11 @@ NEAR = 1e-4  # residual from which on the place of rest is looked for by Newton'
 THERE = 1e-9  # residual at which an unstable place is where the path ends, and is not just passed by
 MOST_STEPS = 4000
 MOST_COORDINATES = 1500  # which take minutes
-IN_SPACE = (
-    "expected a Scene. In space a run comes to rest: damp what swings (damping= of reduced bodies, dampers), take "
-    "simulate(scene, duration, MoreauJean(step, theta=1.0)) for vibrations of flexible bodies, and start from its end "
-    "(initial=result)"
-)
 STILL = 1e-12  # [rad/s], or in sizes of the scene [1/s]: a drive that is slower stands
 
 
 def equilibrium(
-    scene: Scene,
+    scene: Scene | SpatialScene,
     *,
     initial: Result | Rest | None = None,
     farthest: float | None = None,
@@ -67,7 +64,7 @@ def equilibrium(
     Parameters
     ----------
     scene
-        A :class:`lcpflex.Scene` of rigid contacts.
+        A :class:`lcpflex.Scene` or :class:`lcpflex.SpatialScene` of rigid contacts.
     initial
         Start from the last state of this result, or from this place of rest, of the same bodies, instead of from the
         start of the scene. Where its drives or joints are elsewhere, the path takes the bodies along, a fraction of
@@ -121,7 +118,11 @@ class Problem:
 
 
 def stated(
-    scene: Scene, initial: Result | Rest | None, farthest: float | None, time: float | None, budget: Budget
+    scene: Scene | SpatialScene,
+    initial: Result | Rest | None,
+    farthest: float | None,
+    time: float | None,
+    budget: Budget,
 ) -> tuple[Problem, Path]:
     """What :func:`equilibrium` is asked, checked, with a path that begins where it says."""
     return stated_of(compiled_at_rest(scene), initial, farthest, time, budget)
@@ -174,18 +175,10 @@ def come_to_rest(problem: Problem, path: Path, progress: bool | None = False) ->
 
 def _with_axial_loads(found: Rest, time: float) -> Rest:
     """The place with warnings of beams under axial load; what buckles under it is not stable."""
-    if not any(found.compiled.layout.axes):
+    compiled = found.compiled
+    if not (any(compiled.layout.axes) or (compiled.spatial and any(compiled.recovery))):
         return found
-    names = list(found.compiled.layout.contacts)
-    closed = [(names.index(one.name), k, one) for one in found.contacts for k in range(len(one.states))]
-    touching = SimpleNamespace(
-        record=np.zeros(len(closed), dtype=np.int64),
-        contact=np.array([law for law, _, _ in closed], dtype=np.int64),
-        force=np.array([[one.normal[k], one.tangential[k]] for _, k, one in closed]).reshape(-1, 2),
-        place=np.array([one.place[k] for _, k, one in closed]).reshape(-1, 2),
-        state=np.array([STICK if one.states[k] == "stick" else SLIP for _, k, one in closed], dtype=np.int64),
-    )
-    warnings, buckled = axial_loads_at(found.compiled, time, np.array(found.q), touching)
+    warnings, buckled = axial_loads_at(compiled, time, np.array(found.q), _touching(found))
     return replace(
         found,
         warnings=(*found.warnings, *warnings),
@@ -194,16 +187,46 @@ def _with_axial_loads(found: Rest, time: float) -> Rest:
     )
 
 
+def _touching(found: Rest) -> ContactPoints:
+    """The closed places as those of a result with one instant."""
+    compiled = found.compiled
+    names, owners, in_space = list(compiled.layout.contacts), ("ground", *compiled.layout.bodies), compiled.spatial
+    closed = [(names.index(one.name), k, one) for one in found.contacts for k in range(len(one.states))]
+    sign = np.ones((len(closed), 1))
+    if in_space:  # there forces are those on the body of the first surface that was declared
+        contacts = compiled.model.contacts
+        first = [owners[contacts.surface_body[surface] + 1] for surface in contacts.law_surface[:, 0]]
+        sign[:, 0] = [1.0 if one.bodies[k][0] == first[law] else -1.0 for law, k, one in closed]
+    sizes = {"place": 3, "direction": 3, "tangential": 3} if in_space else {"place": 2, "direction": 2, "tangential": 1}
+    place, normal, friction = (
+        np.array([getattr(one, name)[k] for _, k, one in closed]).reshape(len(closed), size)
+        for name, size in sizes.items()
+    )
+    pressure = np.array([one.normal[k] for _, k, one in closed]).reshape(len(closed), 1)
+    return ContactPoints(
+        record=np.zeros(len(closed), dtype=np.int64),
+        contact=np.array([law for law, _, _ in closed], dtype=np.int64),
+        place=place,
+        normal=sign * normal,
+        force=np.hstack([pressure, sign * friction]),
+        state=np.array([STICK if one.states[k] == "stick" else SLIP for _, k, one in closed], dtype=np.int64),
+    )
+
+
 def compiled_at_rest(scene: Any) -> CompiledScene:
     """Of rigid contacts alone, each of a rule listed."""
-    refuse_space("equilibrium", scene, instead=IN_SPACE)
-    if not isinstance(scene, Scene):
-        raise ModelError(f"scene: {shown(scene)} was given, expected a Scene")
-    compiled = compiled_scene(scene, True, None, False, listed=True)
+    if isinstance(scene, Scene):
+        compiled = compiling.compiled_scene(scene, True, None, False, listed=True)
+    else:
+        from lcpflex.scene.spatial.scene import SpatialScene  # which planar scenes do without
+
+        if not isinstance(scene, SpatialScene):
+            raise ModelError(f"scene: {shown(scene)} was given, expected a Scene or a SpatialScene")
+        compiled = compiling.compiled_spatial_scene(scene, True, listed=True)
     soft = [name for name, law in zip(compiled.layout.contacts, compiled.laws, strict=True) if law is not None]
-    if len(compiled.q) > MOST_COORDINATES:
+    if len(compiled.u) > MOST_COORDINATES:
         raise ModelError(
-            f"scene: it has {len(compiled.q)} coordinates, expected at most {MOST_COORDINATES}, since matrices are "
+            f"scene: it has {len(compiled.u)} coordinates, expected at most {MOST_COORDINATES}, since matrices are "
             "dense: reduce its flexible bodies, or let it settle in a run"
         )
     if soft:
@@ -251,7 +274,7 @@ def _unfinished(problem: Problem, path: Path, steps: int) -> SolverError:
     here = path.station
     return SolverError(
         f"equilibrium: not at rest within budget = {problem.budget.seconds:g} s and {steps} steps (unbalanced "
-        f"{here.residual:.2g} of the forces that act): {len(here.at.q)} coordinates and {here.at.n_contacts} near "
+        f"{here.residual:.2g} of the forces that act): {len(here.step)} coordinates and {here.at.n_contacts} near "
         "contacts; expected a larger budget, a smaller scene, or initial=, a result that has settled"
     )
 
@@ -259,8 +282,7 @@ def _unfinished(problem: Problem, path: Path, steps: int) -> SolverError:
 def _restless(path: Path, compiled: CompiledScene, why: str, loose: bool = True) -> SolverError:
     """What to raise where there is no rest: with what moves, which nothing holds if it is ``loose``."""
     here = path.station
-    dof = compiled.model.bodies.dof.tolist()
-    motion = what_moves(compiled.layout.bodies, dof, path.scales, here.at.q, here.step)
+    motion = what_moves(compiled.layout.bodies, compiled.model, path.scales, here.at.q, here.step)
     words = motion or "nothing moves"
     held = ", and nothing holds that" if loose else " in the last step"
     expected = (

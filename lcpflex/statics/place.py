@@ -55,10 +55,9 @@ def rest_at(compiled: CompiledScene, balance: Balance, scales: Scales, path: Pat
     K = tangent_stiffness(balance, scales, q, forces.p)
     found = stability_of(at, K, forces, scales, on, balance.model.bodies.dof)
     balance.again(q)
-    dof = compiled.model.bodies.dof.tolist()
 
     def ways(directions: FloatArray) -> tuple[str, ...]:
-        return tuple(what_moves(compiled.layout.bodies, dof, scales, q, way) for way in directions)
+        return tuple(what_moves(compiled.layout.bodies, compiled.model, scales, q, way) for way in directions)
 
     shut = frozenset(balance.work.rows.table.key[: at.n_contacts][closed].tolist())
     trace = Trace(path.multipliers(at, forces.p), shut, found.family)
@@ -91,10 +90,10 @@ def _contacts(
 ) -> tuple[ContactAtRest, ...]:
     """Each declared contact with its closed places."""
     table, r, n = balance.work.rows.table, at.n_joint, at.n_contacts
-    tangential, sticks = np.zeros(n), np.zeros(n, bool)
-    tangential[at.tangent], sticks[at.tangent] = forces.p[r + n :], forces.sticks
-    own = forces.unique[r : r + n].copy()
-    own[at.tangent] &= forces.unique[r + n :]
+    sticks, own = np.zeros(n, bool), forces.unique[r : r + n].copy()
+    sticks[at.tangent] = forces.sticks
+    np.logical_and.at(own, at.tangent, forces.unique[r + n :])
+    friction = _friction(balance, at, forces.p[r + n :])
     names = ("ground", *compiled.layout.bodies)
     told = []
     for law, name in enumerate(compiled.layout.contacts):
@@ -106,14 +105,23 @@ def _contacts(
                 name,
                 tuple(states),
                 tuple((names[table.body[k, 0] + 1], names[table.body[k, 1] + 1]) for k in chosen),
-                np.array(places).reshape(-1, 2),
+                np.array(places).reshape(-1, table.normal.shape[1]),
                 table.normal[chosen].copy(),
                 forces.p[r + chosen],
-                tangential[chosen],
+                friction[chosen],
                 own[chosen],
             )
         )
     return tuple(told)
+
+
+def _friction(balance: Balance, at: Configuration, multipliers: FloatArray) -> FloatArray:
+    """(n,) lambda_T of each contact found last by the multipliers (m,) of tangents; in space (n, 3) vectors."""
+    found = np.zeros((at.n_contacts, 1 if at.d == 1 else 3))
+    for j in range(0, len(multipliers), at.d):
+        k = int(at.tangent[j])
+        found[k] = multipliers[j : j + at.d] @ balance.tangents(k)
+    return found[:, 0] if at.d == 1 else found
 
 
 def _joints(compiled: CompiledScene, balance: Balance, forces: SharedForces) -> tuple[JointAtRest, ...]:
@@ -121,7 +129,8 @@ def _joints(compiled: CompiledScene, balance: Balance, forces: SharedForces) -> 
     row = balance.model.joints.row
     told = []
     for joint, name in enumerate(compiled.layout.joints):
-        x, y, moment = reaction(balance.model, balance.work, joint, forces.p)
+        wrench = np.array(reaction(balance.model, balance.work, joint, forces.p))
         unique = bool(forces.unique[row[joint] : row[joint + 1]].all())
-        told.append(JointAtRest(name, np.array([x, y]), float(moment), unique))
+        force, moment = (wrench[:3], wrench[3:]) if len(wrench) == 6 else (wrench[:2], float(wrench[2]))
+        told.append(JointAtRest(name, force, moment, unique))
     return tuple(told)

@@ -37,9 +37,10 @@ class ContactAtRest:
     bodies
         (k,) names of the two bodies: the first is pushed along ``direction``.
     place, direction
-        (k, 2) [m], and (k, 2) the normal n, a unit vector, world axes.
+        (k, 2) [m], and (k, 2) the normal n, a unit vector, world axes; in space (k, 3) both.
     normal, tangential
-        (k,) lambda_N >= 0 along n = (x, y) and lambda_T along (y, -x), on the first body [N].
+        (k,) lambda_N >= 0 along n = (x, y) and lambda_T along (y, -x), on the first body [N]; in space ``tangential``
+        is (k, 3), the vector of friction on the first body, world axes.
     unique
         (k,) whether balance determines both; else they are those of the least norm.
     """
@@ -59,27 +60,33 @@ class ContactAtRest:
         return max(("open", *self.states), key=ORDER.index)
 
     def on(self, body: str) -> FloatArray:
-        """(2,) force on the body of that name [N], world axes. Raises ModelError where the contact is none of its."""
+        """(2,) force on the body of that name [N], world axes; in space (3,).
+
+        Raises ModelError where the contact is none of its.
+        """
         known = sorted({name for pair in self.bodies for name in pair})
         if known and (not isinstance(body, str) or body not in known):
             raise ModelError(f"body: no body {absent(body, known)} in the contact {self.name!r}")
-        across = np.stack([self.direction[:, 1], -self.direction[:, 0]], axis=1)
-        force = self.normal[:, None] * self.direction + self.tangential[:, None] * across
+        friction = self.tangential
+        if friction.ndim == 1:
+            across = np.stack([self.direction[:, 1], -self.direction[:, 0]], axis=1)
+            friction = friction[:, None] * across
+        force = self.normal[:, None] * self.direction + friction
         sign = np.array([float(pair[0] == body) - float(pair[1] == body) for pair in self.bodies])
-        return np.asarray((sign[:, None] * force).sum(axis=0)) if len(sign) else np.zeros(2)
+        return np.asarray((sign[:, None] * force).sum(axis=0)) if len(sign) else np.zeros(force.shape[1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointAtRest:
     """What a joint does to the body of its first point P, at P; the body of Q bears the opposite at the same place.
 
-    name; ``force`` (2,) [N], world axes; ``moment`` [N m], counter-clockwise; ``unique``: whether balance determines
-    them, else they are those of the least norm.
+    name; ``force`` (2,) [N], world axes; ``moment`` [N m], counter-clockwise; in space (3,) both, the moment about P;
+    ``unique``: whether balance determines them, else they are those of the least norm.
     """
 
     name: str
     force: FloatArray
-    moment: float
+    moment: float | FloatArray
     unique: bool
 
 
@@ -107,7 +114,7 @@ class Rest:
     Attributes
     ----------
     q
-        (ndof,) configuration, in the layout of :class:`lcpflex.results.result.Result`.
+        (nq,) configuration, in the layout of :class:`lcpflex.results.result.Result`.
     contacts, joints
         What each declared contact and joint carries; see :meth:`contact` and :meth:`joint`.
     stable
@@ -168,7 +175,7 @@ class Rest:
         return known[name]
 
     def point(self, body: str, point: str) -> FloatArray:
-        """(2,) place of a named point of a body [m], world axes. Raises ModelError where there is none."""
+        """(2,) or (3,) place of a named point of a body [m], world axes. Raises ModelError where there is none."""
         known = self.compiled.layout.points
         if not isinstance(body, str) or body not in self.compiled.layout.bodies:
             raise ModelError(f"body: no body {absent(body, self.compiled.layout.bodies)}")
@@ -185,9 +192,7 @@ class Rest:
             force = f", {contact.normal.sum():.6g} N in {places}" if contact.states else ""
             lines.append(f"contact {contact.name!r}: {contact.state}{force}")
         for joint in self.joints:
-            lines.append(
-                f"joint {joint.name!r}: ({joint.force[0]:.6g}, {joint.force[1]:.6g}) N, {joint.moment:.6g} N m"
-            )
+            lines.append(f"joint {joint.name!r}: {_told(joint.force)} N, {_told(joint.moment)} N m")
         lines.append("stable" if self.stable else f"unstable: {'; '.join(self.unstable)}")
         if self.neutral:
             lines.append(f"nothing changes where {'; '.join(self.neutral)}")
@@ -199,3 +204,10 @@ class Rest:
 
     def __str__(self) -> str:
         return self.summary()
+
+
+def _told(value: float | FloatArray) -> str:
+    """Six digits of a number, or of each component."""
+    if np.ndim(value) == 0:
+        return f"{value:.6g}"
+    return f"({', '.join(f'{component:.6g}' for component in np.asarray(value))})"

@@ -1,24 +1,27 @@
 """How large coordinates, forces and stiffnesses are, in metres and newtons, whatever they belong to.
 
 Coordinate i moves some material point of its body by up to s_i metres a unit: 1 for the place of a body, the distance
-of its farthest point for its angle, the largest entry of its shape for a mode. A displacement dq is then up to
+of its farthest point for its angle, in space from each axis of its own, the largest entry of its shape for a mode. A
+displacement dq is then up to
 s_i |dq_i| metres, and a generalised force f is of the size of f_i / s_i newtons: numbers that can be compared.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from lcpflex.dynamics.applied_forces import spring_stretch
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.kinematics.relative import apart, coordinate_value
-from lcpflex.model.arrays import Model
 from lcpflex.model.coordinates import ANGULAR
-from lcpflex.model.planar import N_RIGID
+from lcpflex.model.layout import SPACE, dimension, place_offsets
 from lcpflex.statics.balance import Balance, Configuration
 
 __all__ = ["Scales", "acting", "acting_on", "scales_of", "softest"]
+
+SLENDER = 0.01  # of the extent: least arm of a turn about a body's own axis, lest of a thin rod rounding seem a force
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,27 +41,43 @@ class Scales:
         return float(np.abs(f / self.arm).max(initial=0.0))
 
 
-def scales_of(model: Model, q: FloatArray, size: float) -> Scales:
+def scales_of(model: Any, q: FloatArray, size: float) -> Scales:
     """Of a model, with what is known of the ``size`` of its largest body [m]."""
-    bodies, points = model.bodies, model.points
-    count = len(bodies.mass)
-    extent = np.sqrt(bodies.inertia / bodies.mass)
+    bodies, points, numbers = model.bodies, model.points, dimension(model.bodies)
+    turns = numbers.rigid - numbers.components  # angles of a body
+    radius = np.sqrt(_inertia(bodies) / bodies.mass[:, None])
+    extent, arms = radius.max(axis=1), radius.copy()
     arm = np.ones(int(bodies.dof[-1]))
-    shapes = [np.zeros(int(n) - N_RIGID) for n in np.diff(bodies.dof)]
-    for p, b in enumerate(points.body):
-        if b >= 0:
-            extent[b] = max(extent[b], float(np.hypot(*points.place[p])))
-            part = points.phi[points.start[p] : points.start[p + 1]]
-            shapes[b] = np.maximum(shapes[b], np.hypot(part[:, 0], part[:, 1]))
+    for b in range(len(bodies.mass)):
+        own = np.flatnonzero(points.body == b)
+        places = points.place[own]
+        extent[b] = max(extent[b], _lengths(places).max(initial=0.0))
+        for k in range(turns if turns > 1 else 0):
+            arms[b, k] = max(arms[b, k], _lengths(np.delete(places, k, axis=1)).max(initial=0.0))
+        modes = slice(int(bodies.dof[b]) + numbers.rigid, int(bodies.dof[b + 1]))
+        shapes = np.zeros(modes.stop - modes.start)
+        for p in own.tolist():
+            shapes = np.maximum(shapes, _lengths(points.phi[points.start[p] : points.start[p + 1]]))
+        arm[modes] = np.where(shapes > 0.0, shapes, 1.0 / np.sqrt(bodies.mass[b]))
     extent = np.where(extent > 0.0, extent, size)
-    for b in range(count):
-        first = int(bodies.dof[b])
-        arm[first + 2] = extent[b]
-        known = shapes[b] > 0.0
-        arm[first + N_RIGID : int(bodies.dof[b + 1])] = np.where(known, shapes[b], 1.0 / np.sqrt(bodies.mass[b]))
-    places = q[bodies.dof[:-1, None] + np.arange(2)]
+    arms = np.maximum(arms, SLENDER * extent[:, None]) if turns > 1 else extent[:, None]
+    arm[bodies.dof[:-1, None] + np.arange(numbers.components, numbers.rigid)] = arms
+    places = q[place_offsets(bodies)[:-1, None] + np.arange(numbers.components)]
     across = float(np.ptp(places, axis=0).max(initial=0.0))
     return Scales(arm, extent, max(size, across, float(extent.max(initial=0.0))))
+
+
+def _inertia(bodies: Any) -> FloatArray:
+    """(nb, 1) of the angle of each body about its frame, in space (nb, 3) about its axes [kg m^2]."""
+    if dimension(bodies) is SPACE:
+        squares = np.einsum("bii->bi", bodies.second)
+        return np.asarray(squares.sum(axis=1, keepdims=True) - squares)
+    return np.asarray(bodies.inertia[:, None])
+
+
+def _lengths(vectors: FloatArray) -> FloatArray:
+    """(k,) of vectors (k, 2) or (k, 3)."""
+    return np.asarray(np.hypot.reduce(vectors, axis=-1))
 
 
 def acting(balance: Balance, scales: Scales, at: Configuration, p: FloatArray) -> float:
@@ -74,14 +93,15 @@ def acting_on(balance: Balance, scales: Scales, at: Configuration, p: FloatArray
 
     Weights, springs and applied forces, elastic forces, and those of joints and contacts.
     """
-    model = balance.model
-    loads, bodies = model.loads, model.bodies
-    on = bodies.mass * float(np.hypot(*loads.gravity))
+    model: Any = balance.model
+    loads, bodies, numbers = model.loads, model.bodies, dimension(model.bodies)
+    on = bodies.mass * float(_lengths(loads.gravity))
     own = np.abs(balance.work.free.driving / scales.arm)
     for b in range(len(bodies.mass)):
-        first, last = int(bodies.dof[b]) + N_RIGID, int(bodies.dof[b + 1])
-        modes = slice(first - N_RIGID * (b + 1), last - N_RIGID * (b + 1))
-        stiff = np.abs(bodies.stiffness[modes] * at.q[first:last] / scales.arm[first:last])
+        first, last = int(bodies.dof[b]) + numbers.rigid, int(bodies.dof[b + 1])
+        modes = slice(first - numbers.rigid * (b + 1), last - numbers.rigid * (b + 1))
+        amplitudes = at.q[int(place_offsets(bodies)[b]) + numbers.places :][: last - first]
+        stiff = np.abs(bodies.stiffness[modes] * amplitudes / scales.arm[first:last])
         own[first:last] = np.maximum(own[first:last], stiff)
     if len(p):
         own = np.maximum(own, np.abs(at.rows / scales.arm * p[:, None]).max(axis=0))
@@ -93,16 +113,16 @@ def acting_on(balance: Balance, scales: Scales, at: Configuration, p: FloatArray
     return np.asarray(on)
 
 
-def softest(model: Model, scales: Scales) -> float:
+def softest(model: Any, scales: Scales) -> float:
     """Least stiffness of a spring or mode [N/m]; 0 where there is none."""
     bodies = model.bodies
     modal = np.ones(len(scales.arm), bool)
-    modal[bodies.dof[:-1, None] + np.arange(N_RIGID)] = False
+    modal[bodies.dof[:-1, None] + np.arange(dimension(bodies).rigid)] = False
     own = np.concatenate([bodies.stiffness / scales.arm[modal] ** 2, _spring_stiffness(model, scales)])
     return float(own[own > 0.0].min(initial=np.inf)) if (own > 0.0).any() else 0.0
 
 
-def _spring_stiffness(model: Model, scales: Scales) -> FloatArray:
+def _spring_stiffness(model: Any, scales: Scales) -> FloatArray:
     """Of each spring [N/m], of torsion springs by the square of the extent of the largest body they turn."""
     k = np.array(model.loads.spring_value[:, 0], dtype=float)
     for s in np.flatnonzero(ANGULAR[model.loads.spring_kind]):
@@ -110,21 +130,18 @@ def _spring_stiffness(model: Model, scales: Scales) -> FloatArray:
     return k
 
 
-def _lever(model: Model, scales: Scales, spring: int) -> float:
+def _lever(model: Any, scales: Scales, spring: int) -> float:
     """Extent of the largest body that a torsion spring turns [m]."""
     held = [scales.extent[b] for b in model.points.body[model.loads.spring_point[spring]] if b >= 0]
     return float(max(held, default=scales.size))
 
 
-def _springs(model: Model, scales: Scales, q: FloatArray) -> FloatArray:
+def _springs(model: Any, scales: Scales, q: FloatArray) -> FloatArray:
     """Tension of each spring [N], of torsion springs by the extent of the largest body they turn."""
     loads = model.loads
     tension = np.zeros(len(loads.spring_kind))
     for k, kind in enumerate(loads.spring_kind):
-        i, j = loads.spring_point[k]
-        place = apart(model.bodies, model.points, q, i, j)
-        x, y = loads.spring_axis[k]
-        tension[k] = loads.spring_value[k, 0] * (coordinate_value(kind, place, x, y) - loads.spring_value[k, 2])
+        tension[k] = loads.spring_value[k, 0] * spring_stretch(model, q, k)
         if ANGULAR[kind]:
             tension[k] /= _lever(model, scales, k)
     return np.abs(tension)

@@ -43,12 +43,15 @@ def compiled_spatial_scene(
     indents: Callable[[str], bool] | None = None,
     gives_way: bool = False,
     push: bool = False,
+    listed: bool = False,
 ) -> CompiledScene:
     """The scene with its bodies reduced, as arrays. Raises ModelError for a start that cannot be.
 
     ``indents``: which contacts may indent each other at the start, by their names. ``push``: the others are pushed out.
+    ``listed``: every pair that a rule is for is a declared contact; so it is where ``indents`` asks for each.
     """
-    reduced, said = reduced_scene(scene, gives_way, indents is not None)
+    listed = listed or indents is not None
+    reduced, said = reduced_scene(scene, gives_way, listed)
     parts = reduced.parts()
     if not parts.placed:
         raise ModelError("scene: it has no body, expected at least one: scene.add(...)")
@@ -65,9 +68,7 @@ def compiled_spatial_scene(
     joints = compile_spatial_joints(parts.joints, assembly, project)
     loads = compile_spatial_loads(scene.gravity, parts.loads, assembly)
     jointed = tuple(parts.joints.values())
-    by_rule, rule, touchable = by_rules(
-        parts.placed, parts.surfaces, parts.contacts, parts.rules, jointed, indents is not None
-    )
+    by_rule, rule, touchable = by_rules(parts.placed, parts.surfaces, parts.contacts, parts.rules, jointed, listed)
     left_out = pairs_left_out(
         parts.placed, touchable, parts.contacts, parts.rules, jointed, parts.loads, bool(scene.gravity.any())
     )

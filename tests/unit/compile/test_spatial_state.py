@@ -58,22 +58,13 @@ def test_states_that_are_none_are_refused() -> None:
 @pytest.mark.parametrize(
     ("ask", "what"),
     [
-        (lf.equilibrium, "equilibrium"),
-        (lf.equilibria, "equilibrium"),
+        (lf.equilibria, "equilibria"),
         (lf.studies.small_vibrations, "small_vibrations"),
         (lambda scene: lf.studies.right_size(scene, duration=0.1), "right_size"),
     ],
 )
 def test_what_is_made_for_the_plane_says_so(ask, what: str) -> None:  # type: ignore[no-untyped-def]
     with pytest.raises(ModelError, match=f"scene: a spatial scene was given, and {what} is planar so far"):
-        ask(thrown("box"))
-
-
-@pytest.mark.parametrize("ask", [lf.equilibrium, lf.equilibria])
-def test_what_to_do_for_a_place_of_rest_in_space_is_said(ask) -> None:  # type: ignore[no-untyped-def]
-    with pytest.raises(
-        ModelError, match=r"In space a run comes to rest: .*MoreauJean\(step, theta=1.0\).*initial=result"
-    ):
         ask(thrown("box"))
 
 
