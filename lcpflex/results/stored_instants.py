@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from lcpflex.results.result import Result
 
 __all__ = [
+    "AT_REST",
     "CONTINUED",
     "DENSE",
     "at_events",
@@ -24,6 +25,7 @@ __all__ = [
 
 NOISE = 0.1  # of the relative tolerance of an implicit integrator: smaller shares of an impulse are noise
 CONTINUED = "the run began from the last state of a result"  # how a note of such runs begins
+AT_REST = "equilibrium"  # Result.stepper of places of rest, see :mod:`lcpflex.statics.rests_as_result`
 DENSE = "dense"  # Result.stored beside INSTANTS and STEPS: three instants of each step
 
 
@@ -39,12 +41,15 @@ def at_events(result: Result) -> bool:
 
 def tells_of_steps(result: Result) -> bool:
     """Whether an instant tells of the step before it; else of itself."""
-    return family(result) not in ("EventDriven", "Smooth")
+    return family(result) not in ("EventDriven", "Smooth", AT_REST)
 
 
 def follows_modes(result: Result) -> bool:
-    """Whether no mode swings with the steps: error control of an explicit method makes them short enough for all."""
-    return at_events(result) or "integrator=ExplicitRungeKutta(" in result.stepper
+    """Whether no mode swings with the steps: error control of an explicit method makes them short enough for all.
+
+    Nothing swings at rest.
+    """
+    return family(result) in ("EventDriven", AT_REST) or "integrator=ExplicitRungeKutta(" in result.stepper
 
 
 def stored_as(interval: float) -> str:

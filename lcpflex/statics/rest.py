@@ -11,12 +11,18 @@ from numpy.typing import NDArray
 from lcpflex.basics.arguments import absent
 from lcpflex.errors import ModelError
 from lcpflex.kinematics.places import world_places
+from lcpflex.statics import later
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from typing import Any
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.jit.kernel import FloatArray
+    from lcpflex.results.stress_history import Stress
 
 __all__ = ["ContactAtRest", "JointAtRest", "Rest", "Trace"]
 
@@ -183,6 +189,21 @@ class Rest:
         if not isinstance(point, str) or point not in names:
             raise ModelError(f"point: {body!r} has no point {absent(point, names)}")
         return np.asarray(world_places(self.compiled.model, self.q, np.array([known[body, point]]))[0])
+
+    def stress(self, body: str, *, static: bool = True) -> Stress:
+        """Stresses of a flexible body at its nodes, (p,) each: see :class:`lcpflex.results.stress_history.Stress`.
+
+        body: its name. static: with the static part of what its modes leave out; False for its modes alone. Raises
+        ModelError as :meth:`lcpflex.results.result.Result.stress` does.
+        """
+        return later.stress_at_rest(self, body, static)
+
+    def draw(self, axes: Axes | None = None, *, view: Any = None, frames: bool = False, scale: float = 1.0) -> Figure:
+        """Picture of the scene at rest: deformed shapes and an arrow for each contact force.
+
+        axes, view, frames, scale: as of :meth:`lcpflex.results.result.Result.draw`.
+        """
+        return later.draw_rest(self, axes, view, frames, scale)
 
     def summary(self) -> str:
         """Contacts, joints and what can be said of the place, in lines of text."""
