@@ -29,6 +29,7 @@ from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.contact.problem import ContactProblem
+from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.statics.balance import Balance, Configuration
 from lcpflex.statics.scales import Scales, acting, softest
 from lcpflex.statics.slip import Slip
@@ -154,7 +155,7 @@ class Path:
         """Of the rows of joints, normals and tangents, the same from step to step."""
         own = self.balance.work.rows.table.key[: at.n_contacts].tolist()
         joints = [(0, r) for r in range(at.n_joint)]
-        return joints + [(1, key) for key in own] + [(2, own[k]) for k in at.tangent]
+        return joints + [(1, key) for key in own] + [(2 + j % at.d, own[k]) for j, k in enumerate(at.tangent.tolist())]
 
     def _step(
         self, here: Station, M: FloatArray, K: FloatArray, slid: FloatArray, part: float, alpha: float
@@ -175,14 +176,32 @@ class Path:
         target = np.concatenate([np.maximum(np.where(at.gap < 0.0, part, 1.0) * at.gap, -0.5 * self.longest), slid])
         p = np.zeros(len(at.rows))
         if at.n_contacts:
-            problem = ContactProblem(factor @ factor.T, W.T @ free + target, at.friction)
-            found = self._solver.solve(problem)
-            if not found.solved:
+            forces = self._forces(at, factor, W.T @ free + target)
+            if forces is None:
                 return None
-            p[n_joint:] = np.concatenate(problem.forces(found.z))
+            p[n_joint:] = forces
         white_dq = free + factor.T @ p[n_joint:]
         p[:n_joint] = -inverse @ (J.T @ (load + W @ p[n_joint:]) + phi)
         return np.linalg.solve(L.T, white_dq) / arm, p
+
+    def _forces(self, at: Configuration, factor: FloatArray, free: FloatArray) -> FloatArray | None:
+        """(n + m,) of contacts and tangents whose operator is factor factor^T; None where they are not found."""
+        if at.d == 1 or not len(at.tangent):
+            problem = ContactProblem(factor @ factor.T, free, at.friction)
+            found = self._solver.solve(problem)
+            return np.concatenate(problem.forces(found.z)) if found.solved else None
+        rows = np.full((at.n_contacts, 3), -1)  # of each contact n, t1 and t2, the latter where it has friction
+        rows[:, 0] = np.arange(at.n_contacts)
+        rows[at.tangent[::2], 1:] = at.n_contacts + np.arange(len(at.tangent)).reshape(-1, 2)
+        order, known = rows.ravel(), rows.ravel() >= 0
+        factor, free = np.where(known[:, None], factor[order], 0.0), np.where(known, free[order], 0.0)
+        cones = SpatialContactProblem(factor @ factor.T, free, at.friction)
+        found = self._solver.solve(cones)
+        if not found.solved:
+            return None
+        forces = np.zeros(at.n_contacts + len(at.tangent))
+        forces[order[known]] = cones.forces(found.z).ravel()[known]
+        return forces
 
     def _share(self, L: FloatArray, white: FloatArray) -> float:
         """Of what joints and drives are off, as much as half a step closes; ``white`` is the motion that closes all."""

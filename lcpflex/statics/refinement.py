@@ -86,8 +86,9 @@ def refined(balance: Balance, scales: Scales, path: Path) -> FloatArray | None:
     normal, tangential = p[r : r + n], p[r + n :]
     pressed = normal > PRESSED * here.scale
     limit = (at.friction * normal)[at.tangent]
-    sticks = np.abs(tangential) < (1.0 - INSIDE) * limit
-    ratio = np.sign(tangential) * at.friction[at.tangent]
+    size = np.repeat(np.hypot.reduce(tangential.reshape(-1, at.d), axis=1), at.d)
+    sticks = size < (1.0 - INSIDE) * limit
+    ratio = tangential / np.where(size > 0.0, size, 1.0) * at.friction[at.tangent]
     best, best_left, before = at.q, np.inf, np.inf
     near, near_left = at.q, np.inf  # balanced, with gaps that are closed as far as they count
     q, K = at.q, None

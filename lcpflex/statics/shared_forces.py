@@ -6,6 +6,8 @@ With one solution x_p and the null space N of E it is a least-distance problem i
 non-negative least squares and then on its active constraints, to rounding. Which forces are the same in all solutions,
 and which contacts have forces within their cones in some of them, is told by linear programs.
 
+In space cones are of second order, and programs of those, of an interior-point method, take the places of both.
+
 Loads and rows are known to the accuracy of the place alone. Friction at many contacts of a long flexible body does
 nearly nothing to it: E then has singular values s of 1e-9, and what is left of the balance, 1e-11 of the largest force,
 moves the forces in such a direction by 1e-11 / s, out of their cones. Where no forces balance the loads exactly, those
@@ -25,6 +27,7 @@ from scipy.optimize import linprog, nnls
 
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.statics.balance import Configuration
+from lcpflex.statics.cone_programs import Cones, ends_in_cones, margins_in_cones, shortest_in_cones
 from lcpflex.statics.scales import Scales
 
 __all__ = ["SharedForces", "shared_forces"]
@@ -79,32 +82,33 @@ def shared_forces(
     if not np.abs(E @ x - load).max() <= BALANCED:
         return None
     N = V[rank:].T
-    C = _cones(at)[:, chosen]
-    C = C[np.abs(C).sum(axis=1) > 0.0]
+    cones = _cones(at, chosen)
     bounds = np.zeros((0, len(x) + 1))
-    found = _least(x, N, C)
+    found = _least(x, N, cones)
     if found is None:
         N, bounds = _nearly_open(x, sizes[:rank] / sizes[0], V)
-        found = _least_within(x, N, C, bounds)
+        found = _least_within(x, N, cones, bounds)
     if found is None:
         return None
     x = found
     p[chosen] = x * unit[chosen] * size
     own_size = _lighter(at.rows[chosen], acting(p)) / size
-    least = C @ x + PULLS[0] * (np.abs(C) > 0.0).astype(float) @ own_size + PULLS[1]
+    least = cones.sides(x) + PULLS[0] * cones.counted(own_size) + PULLS[1]
     if not (least >= 0.0).all():
         return None
     d = np.clip(own_size, LIGHT, 1.0)
     N = np.linalg.qr(N / d[:, None])[0] if len(bounds) else _orthonormal(N, E, d)
-    ranges = _with_one(x / d, N, C, bounds * np.append(d, 1.0))
-    own = _unique(*ranges)[: len(x)]
-    inside = _inside(*ranges)[: len(C)]
-    unique[chosen] = own
+    ranges = _with_one(x / d, N, cones, bounds * np.append(d, 1.0))
+    inside = _inside(*ranges)
+    unique[chosen] = _unique(*ranges, bool(inside.all()))[: len(x)]
     k = np.flatnonzero(closed)
     pressed[k] = inside[: len(k)]
     rubbing = np.flatnonzero(closed[at.tangent])
-    sides = inside[len(k) :].reshape(2, -1)
-    sticks[rubbing] = sides[0] & sides[1]
+    if at.d == 1:
+        sides = inside[len(k) : len(k) + 2 * len(rubbing)].reshape(2, -1)
+        sticks[rubbing] = sides[0] & sides[1]
+    else:
+        sticks[rubbing] = np.repeat(inside[len(inside) - len(rubbing) // 2 :], 2)
     return SharedForces(p, unique, pressed, sticks)
 
 
@@ -127,24 +131,30 @@ def _orthonormal(N: FloatArray, E: FloatArray, d: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.qr(N / d[:, None])[0])
 
 
-def _cones(at: Configuration) -> FloatArray:
-    """(n + 2 m, rows) sides of the cones of all contacts: normals, then both sides of friction, >= 0."""
-    r, n, m = at.n_joint, at.n_contacts, len(at.tangent)
-    C = np.zeros((n + 2 * m, len(at.rows)))
-    C[np.arange(n), r + np.arange(n)] = 1.0
-    for side, sign in enumerate((1.0, -1.0)):
-        row = n + side * m + np.arange(m)
-        C[row, r + at.tangent] = at.friction[at.tangent]
-        C[row, r + n + np.arange(m)] = sign
-    return C
+def _cones(at: Configuration, chosen: NDArray[np.bool_]) -> Cones:
+    """Of the multipliers of the rows ``chosen``: normals >= 0, then friction: in the plane both of its sides >= 0."""
+    r, n = at.n_joint, at.n_contacts
+    eye = np.eye(len(at.rows))[:, chosen]
+    normals, tangents, limits = eye[r : r + n], eye[r + n :], at.friction[at.tangent, None] * eye[r + at.tangent]
+    closed = np.abs(normals).sum(axis=1) > 0.0
+    rubs = closed[at.tangent]
+    if at.d == 1:
+        sides = [(limits + tangents)[rubs], (limits - tangents)[rubs]]
+        return Cones(np.vstack([normals[closed], *sides]), np.zeros((0, 3, len(eye[0]))))
+    second = np.stack([limits[rubs][::2], tangents[rubs][::2], tangents[rubs][1::2]], axis=1)
+    return Cones(normals[closed], second)
 
 
-def _least(x: FloatArray, N: FloatArray, C: FloatArray) -> FloatArray | None:
+def _least(x: FloatArray, N: FloatArray, cones: Cones) -> FloatArray | None:
     """The shortest x + N y in the cones; None where there is none. x is at right angles to N."""
-    if (C @ x >= -SLACK).all():
+    if (cones.sides(x) >= -SLACK).all():
         return x
     if not N.shape[1]:
         return None
+    if len(cones.second):
+        y = shortest_in_cones(x, N, cones, SLACK)
+        return np.asarray(x + N @ y) if y is not None and (cones.sides(x + N @ y) >= -ACTIVE).all() else None
+    C = cones.linear
     G, h = C @ N, -(C @ x) - SLACK
     u, _ = nnls(np.vstack([G.T, h]), np.append(np.zeros(N.shape[1]), 1.0))
     left = np.append(G.T @ u, h @ u - 1.0)
@@ -173,29 +183,31 @@ def _nearly_open(x: FloatArray, sizes: FloatArray, V: FloatArray) -> tuple[Float
     return V[first:].T, np.vstack(bounds)
 
 
-def _with_one(
-    x: FloatArray, N: FloatArray, C: FloatArray, bounds: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """[x, 1], its null space and its cones, those of x with the bounds behind them; as they are without bounds."""
+def _with_one(x: FloatArray, N: FloatArray, cones: Cones, bounds: FloatArray) -> tuple[FloatArray, FloatArray, Cones]:
+    """[x, 1], its null space and its cones, those of x and the bounds; as they are without bounds."""
     if not len(bounds):
-        return x, N, C
-    cones = np.vstack([np.column_stack([C, np.zeros(len(C))]), bounds])
-    return np.append(x, 1.0), np.vstack([N, np.zeros(N.shape[1])]), cones
+        return x, N, cones
+    return np.append(x, 1.0), np.vstack([N, np.zeros(N.shape[1])]), cones.with_one(bounds)
 
 
-def _least_within(x: FloatArray, N: FloatArray, C: FloatArray, bounds: FloatArray) -> FloatArray | None:
+def _least_within(x: FloatArray, N: FloatArray, cones: Cones, bounds: FloatArray) -> FloatArray | None:
     """The nearest to x of x + N y in the cones and within the bounds; None where there is none."""
     if not len(bounds):
         return None
-    found = _least(*_with_one(x, N, C, bounds))
+    found = _least(*_with_one(x, N, cones, bounds))
     return None if found is None else found[:-1]
 
 
-def _unique(x: FloatArray, N: FloatArray, C: FloatArray) -> NDArray[np.bool_]:
-    """Which entries of x are the same in all solutions."""
+def _unique(x: FloatArray, N: FloatArray, cones: Cones, inside: bool) -> NDArray[np.bool_]:
+    """Which entries of x are the same in all solutions; ``inside``: one is inside of all cones."""
     unique = np.asarray(np.abs(N).max(axis=1, initial=0.0) <= SAME)
     if not N.shape[1]:
         return unique
+    if len(cones.second):
+        for i in np.flatnonzero(~unique) if not inside else ():
+            unique[i] = max(ends_in_cones(sign * N[i], x, N, cones, ACTIVE) for sign in (1.0, -1.0)) <= OPEN
+        return unique
+    C = cones.linear
     sides, room = (-(C @ N), np.maximum(C @ x, 0.0) + ACTIVE) if len(C) else (None, None)
     for i in np.flatnonzero(~unique):
         ends = [linprog(sign * N[i], A_ub=sides, b_ub=room, bounds=(None, None)) for sign in (1.0, -1.0)]
@@ -203,21 +215,30 @@ def _unique(x: FloatArray, N: FloatArray, C: FloatArray) -> NDArray[np.bool_]:
     return unique
 
 
-def _inside(x: FloatArray, N: FloatArray, C: FloatArray) -> NDArray[np.bool_]:
+def _inside(x: FloatArray, N: FloatArray, cones: Cones) -> NDArray[np.bool_]:
     """Which sides of cones some solution keeps away from."""
-    inside = np.asarray(C @ x > OPEN)
+    inside = np.asarray(cones.sides(x) > OPEN)
     if not N.shape[1] or inside.all():
         return inside
-    free, count = N.shape[1], len(C)
     while not inside.all():  # one solution may use up at one contact what would do for several; the mean of all is in
-        found = linprog(
-            np.append(np.zeros(free), inside - 1.0),
-            A_ub=np.hstack([-(C @ N), np.eye(count)]),
-            b_ub=np.maximum(C @ x, 0.0) + ACTIVE,
-            bounds=[(None, None)] * free + [(0.0, MARGIN)] * count,
-        )
-        more = inside | (found.x[free:] > OPEN) if found.x is not None else inside
+        margins = _margins(x, N, cones, ~inside)
+        more = inside | (margins > OPEN)
         if (more == inside).all():
             break
         inside = more
     return inside
+
+
+def _margins(x: FloatArray, N: FloatArray, cones: Cones, wanted: NDArray[np.bool_]) -> FloatArray:
+    """How far a solution is inside of each cone that is inside of many; 0 where none is found."""
+    free, C = N.shape[1], cones.linear
+    if len(cones.second):
+        margins = margins_in_cones(x, N, cones, wanted, MARGIN, ACTIVE)
+        return np.zeros(len(wanted)) if margins is None else margins
+    found = linprog(
+        np.append(np.zeros(free), -wanted.astype(float)),
+        A_ub=np.hstack([-(C @ N), np.eye(len(C))]),
+        b_ub=np.maximum(C @ x, 0.0) + ACTIVE,
+        bounds=[(None, None)] * free + [(0.0, MARGIN)] * len(C),
+    )
+    return np.zeros(len(C)) if found.x is None else np.asarray(found.x[free:])
