@@ -158,7 +158,7 @@ def come_to_rest(problem: Problem, path: Path, progress: bool | None = False) ->
     with Progress(progress, words, what="equilibrium", unit="step", leave=False) as bar:
         for step in range(MOST_STEPS):
             here = path.station
-            if here.residual <= NEAR:
+            if here.residual <= NEAR and path.told:
                 found = rest_at(compiled, balance, scales, path, step)
                 if found is not None and (found.stable or here.residual <= THERE):
                     return _with_axial_loads(found, balance.time)

@@ -84,6 +84,7 @@ class Path:
         self.soft = softest(balance.model, scales)
         self.largest = 0.0  # force on the path so far [N]
         self.station = self._station(q, known or {}, 0.0, np.zeros(len(scales.arm)))
+        self.told = known is None  # whether contacts stick and slip as on this path, and not as on the way to its start
         self._alpha, self._first = 0.0, 1.0 if known is None else SLOWLY
         self._slip = Slip(balance, known is not None)
         self._solver = Auto(budget=SOLVING)
@@ -130,6 +131,7 @@ class Path:
         """To the end of a step."""
         here = self.station
         known, moved = self.multipliers(here.at, p), self.scales.moved(dq)
+        self.told = True
         self._slip.add(here.at, dq, p, moved)
         self.station = self._station(self.balance.moved(here.at.q, dq), known, here.travelled + moved, dq)
 

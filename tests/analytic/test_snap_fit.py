@@ -169,6 +169,18 @@ def test_a_block_is_pulled_forth_and_back(length: float) -> None:
         assert rest.contact("floor").state == ("slip" if slips else "stick")
 
 
+@pytest.mark.parametrize("back", [1e-3, 1e-5, 1e-7])
+def test_a_drive_that_turns_by_ever_so_little_unloads(back: float) -> None:
+    """A block that slid sticks when the drive turns: what it did on the way there says nothing of the way back."""
+    scene = pulled(lf.Function(lambda t: t))
+    limit = 0.4 * 2.0 * 9.81
+    there = lf.equilibrium(scene, initial=lf.equilibrium(scene, time=0.0), time=0.03)
+    assert there.joint("drive").force[0] == pytest.approx(limit, rel=1e-9)
+    turned = lf.equilibrium(scene, initial=there, time=0.03 - back)
+    assert turned.contact("floor").state == "stick"
+    assert limit - turned.joint("drive").force[0] == pytest.approx(500.0 * back, rel=1e-4)
+
+
 def test_a_drive_elsewhere_at_the_start_of_a_run_is_refused() -> None:
     """A run begins at t = 0: a state with the drive elsewhere would be thrown back."""
     scene = pulled(lf.Harmonic(0.1, 1.0))
