@@ -138,7 +138,11 @@ class Bar:
             statics=LineStatics(partial(self._whole, mass), self.length),
             recovery=line_shapes(line, found, self.area, 0.0, self.lumped),
             fidelity_levels=ModeLevels(
-                self.elements, partial(self.reduce, residual_damping=residual_damping), places, damping, residual
+                self.elements,
+                partial(self.reduce, residual_damping=residual_damping),
+                {"interfaces": places},
+                damping,
+                residual,
             ),
             reduction=reduction_by(
                 self.reduce, n, self.elements, damping, interfaces=places, residual_damping=residual_damping

@@ -168,7 +168,7 @@ class Beam:
             fidelity_levels=ModeLevels(
                 available,
                 partial(self.reduce, stiffening=stiffening, residual_damping=residual_damping),
-                places,
+                {"interfaces": places},
                 damping,
                 residual,
             ),

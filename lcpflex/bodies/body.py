@@ -169,7 +169,7 @@ class Shortening:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FidelityLevel:
-    """A body at one fidelity.
+    """A body at one fidelity, of the plane or of space.
 
     Attributes
     ----------
@@ -180,7 +180,7 @@ class FidelityLevel:
 
     name: str
     modes: int
-    make: Callable[[], Body]
+    make: Callable[[], Any]
 
 
 class Lazily(Mapping[str, T], Generic[T]):

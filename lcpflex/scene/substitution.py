@@ -1,8 +1,8 @@
 """The same scene with other bodies: everything that was made on a body is made again on the one in its place.
 
 An initial deformation d(x) = Phi_old(x)^T q of a body is split by the new one into motion of its frame and its own
-modal coordinates (:meth:`lcpflex.bodies.body.Body.project`); so is its rate. In space the new body has to follow it
-by its modes alone (:mod:`lcpflex.scene.spatial.carried`). With the split (d0, delta, q') of the
+modal coordinates (:meth:`lcpflex.bodies.body.Body.project`); so is its rate. In space the new body follows it by its
+modes alone (:mod:`lcpflex.scene.spatial.carried`). With the split (d0, delta, q') of the
 deformation and (v0, nu, q'') of its rate, in body axes,
 
     R' = R + A d0,  angle' = angle + delta,   Rdot' = Rdot + A (v0 + omega J d0),  omega' = omega + nu
@@ -40,7 +40,10 @@ AnyScene = TypeVar("AnyScene", bound="Scene | SpatialScene")
 
 
 def exchanged(scene: AnyScene, bodies: Mapping[str, Any]) -> AnyScene:
-    """A new scene with ``bodies`` in the place of those of the same names; ``scene`` is not changed."""
+    """A new scene with ``bodies`` in the place of those of the same names; ``scene`` is not changed.
+
+    Of an initial deformation is carried over what the new bodies can follow.
+    """
     parts = scene.parts()
     known = [placed.name for placed in parts.placed]
     for name, body in named("bodies", bodies).items():
@@ -48,19 +51,22 @@ def exchanged(scene: AnyScene, bodies: Mapping[str, Any]) -> AnyScene:
             raise ModelError(f"bodies: no body {name!r}, expected one of {listed(known)}")
         if not isinstance(body, scene._kind):
             raise ModelError(f"bodies[{name!r}]: {shown(body)} was given, expected a {scene._kind.__name__}")
-    return remade(scene, [one_with(placed, bodies.get(placed.name)) for placed in parts.placed])
+    return remade(scene, [one_with(placed, bodies.get(placed.name), lossy=True) for placed in parts.placed])
 
 
-def one_with(placed: Placed | SpatialPlaced, body: Any | None) -> tuple[Any, Start]:
-    """A body, or the order of one, for the place of another with its motion; ``body`` None: the same as before."""
+def one_with(placed: Placed | SpatialPlaced, body: Any | None, lossy: bool = False) -> tuple[Any, Start]:
+    """A body, or the order of one, for the place of another with its motion; ``body`` None: the same as before.
+
+    lossy: whether a body of space may follow a deformation in part.
+    """
     if body is None:
         return placed.order or placed.source, placed.start
-    return body, _start(placed, body)
+    return body, _start(placed, body, lossy)
 
 
-def settled(scene: Scene) -> Scene:
+def settled(scene: AnyScene) -> AnyScene:
     """The scene with its initial state projected onto its joints; itself where that fulfils them, or nothing can."""
-    scene = scene.reduced()
+    scene = scene.reduced()  # type: ignore[assignment]
     try:
         scene.compiled()
     except ModelError:
@@ -68,9 +74,9 @@ def settled(scene: Scene) -> Scene:
             compiled = scene.compiled(project=True)
         except ModelError:
             return scene  # which says itself what is wrong, when it is run
-        placed = scene.parts().placed
-        ends = np.cumsum([len(one.start[0]) for one in placed])[:-1]
-        starts = zip(placed, np.split(compiled.q, ends), np.split(compiled.u, ends), strict=True)
+        placed: tuple[Any, ...] = scene.parts().placed
+        ends = [np.cumsum([len(one.start[k]) for one in placed])[:-1] for k in range(2)]
+        starts = zip(placed, np.split(compiled.q, ends[0]), np.split(compiled.u, ends[1]), strict=True)
         return remade(scene, [(one.source, (q, u)) for one, q, u in starts])
     return scene
 
@@ -139,7 +145,7 @@ class _Again:
         return self._bodies[side.body] if isinstance(side, PlacedBody) else self._surface(side)
 
 
-def _start(placed: Placed | SpatialPlaced, body: Any) -> Start:
+def _start(placed: Placed | SpatialPlaced, body: Any, lossy: bool) -> Start:
     """Initial configuration and velocity of ``body`` in the place of the one that is there."""
     q, u = placed.start
     old: Any = placed.source
@@ -149,7 +155,7 @@ def _start(placed: Placed | SpatialPlaced, body: Any) -> Start:
     if not isinstance(placed, Placed):
         from lcpflex.scene.spatial.carried import spatial_start
 
-        return spatial_start(placed.name, old, (q, u), body)
+        return spatial_start(placed.name, old, (q, u), body, lossy)
     if same_basis(old, body):
         return q, u
     if not (q[N_RIGID:].any() or u[N_RIGID:].any()):

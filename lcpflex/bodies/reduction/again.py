@@ -11,6 +11,8 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from lcpflex.bodies.reduction.damping import continued
+from lcpflex.bodies.reduction.eigenmodes import FULL_LIMIT
+from lcpflex.bodies.reduction.fidelity_levels import MOST_MODES, STATIC, ModeLevels
 from lcpflex.errors import ModelError, shown
 
 __all__ = ["Reduction", "reduction_by", "sealed_reduction"]
@@ -28,12 +30,15 @@ class Reduction(Generic[Made]):
     most : how many of these the mesh has
     make : makes the same body with so many of them: of the same mesh, with the same boundary, interfaces and damping
     seal : digest of the numbers of the body that was made so, and of the names on it; empty until there is one
+    levels : gives the fidelity levels of the body, which has so many static shapes beside its modes; None where
+        those who make the body give its levels themselves
     """
 
     modes: int
     most: int
     make: Callable[[int], Made]
     seal: bytes = field(default=b"", repr=False)
+    levels: Callable[[int], ModeLevels] | None = field(default=None, repr=False)
 
     def sealed(self, body: Made) -> Reduction[Made]:
         """With the seal of the first body that has it; one in which fields are replaced keeps that of the first."""
@@ -72,10 +77,32 @@ def _digest(body: Any) -> bytes:
     return found.digest()
 
 
-def reduction_by(reduce: Callable[..., Made], modes: int, most: int, damping: Any, **options: Any) -> Reduction[Made]:
-    """Of a body that ``reduce(modes, damping=damping, **options)`` makes, of at most ``most`` modes."""
-    return Reduction(modes, most, partial(_again, reduce, damping, options))
+def reduction_by(
+    reduce: Callable[..., Made], modes: int, most: int, damping: Any, whole: int | None = None, **options: Any
+) -> Reduction[Made]:
+    """Of a body that ``reduce(modes, damping=damping, **options)`` makes, of at most ``most`` modes.
+
+    whole: modes of its full mesh; None: as many as the most.
+    """
+    levels = partial(_levels, reduce, most if whole is None else whole, damping, options)
+    return Reduction(modes, most, partial(_again, reduce, damping, options), levels=levels)
 
 
 def _again(reduce: Callable[..., Made], damping: Any, options: Mapping[str, Any], modes: int) -> Made:
     return reduce(modes, damping=continued(damping, modes), **options)
+
+
+def _levels(
+    reduce: Callable[..., Any], whole: int, damping: Any, options: Mapping[str, Any], residual: int
+) -> ModeLevels:
+    static = {name: options[name] for name in STATIC if name in options}
+    rest = {name: value for name, value in options.items() if name not in static}
+    ends = whole <= FULL_LIMIT
+    return ModeLevels(whole, partial(_level, reduce, rest), static, damping, residual, MOST_MODES, ends)
+
+
+def _level(reduce: Callable[..., Made], options: Mapping[str, Any], modes: int, damping: Any, **static: Any) -> Made:
+    """With products of no more modes than there are, where so many were asked for."""
+    second = options.get("second_order")
+    fewer = {} if second is None else {"second_order": min(second, modes)}
+    return reduce(modes, damping=damping, **{**options, **fewer}, **static)

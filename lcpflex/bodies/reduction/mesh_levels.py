@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lcpflex.bodies.body import Body, FidelityLevel
+from lcpflex.bodies.body import FidelityLevel
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.node_sets import rows_of
 from lcpflex.bodies.fem.stiffness_error import warn_if_too_stiff
@@ -17,7 +17,7 @@ from lcpflex.bodies.reduction.again import Reduction
 from lcpflex.bodies.reduction.bases import Basis, elastic_count, free_basis, interface_basis, residual_basis
 from lcpflex.bodies.reduction.damping import Damping, Rayleigh, check_damping, continued
 from lcpflex.bodies.reduction.eigenmodes import FULL_LIMIT, FreeMesh
-from lcpflex.bodies.reduction.fidelity_levels import counted
+from lcpflex.bodies.reduction.fidelity_levels import MOST_MODES, counted
 from lcpflex.bodies.reduction.mesh_body import NO_RESIDUAL, Residual, body_of
 from lcpflex.bodies.reduction.mesh_interfaces import MeshStatics
 from lcpflex.bodies.reduction.stiffening import Stiffening, prestressed
@@ -28,7 +28,6 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 __all__ = ["Held", "reduced"]
 
 NEAR = 1.4  # levels have fewer modes than the full mesh by this factor: else they are hardly cheaper
-MOST_MODES = 128  # of the levels between rigid and the boundary nodes
 KEPT = 32  # free-free modes besides the static response of the boundary nodes
 MOST_NODES = 150  # of the boundary: two columns each
 
@@ -44,7 +43,7 @@ def reduced(
     held: Held | None = None,
     residual_from: int | None = None,
 ) -> Any:
-    """The body of a mesh in the basis that is made of it, with its levels; in space a SpatialBody, which has none.
+    """The body of a mesh in the basis that is made of it, with its levels; in space a SpatialBody.
 
     Parameters
     ----------
@@ -62,16 +61,12 @@ def reduced(
     omega2, shapes = basis(stiffened)
     behind = 0 if residual_from is None else len(omega2) - residual_from
     residual = Residual(behind, behind) if held is None else held.residual(len(omega2) - (columns or 0))
+    levels = partial(_levels, stiffened, damping, stiffening, nodes, held, residual)
     if mesh.dimension == 3:
-        return solid_body(mesh, (omega2, shapes), damping, residual, reduction)
+        return replace(solid_body(mesh, (omega2, shapes), damping, residual, reduction), fidelity_levels=levels)
     warn_if_too_stiff(mesh, shapes)
     body = body_of(stiffened, omega2, shapes, damping, stiffening, residual)
-    return replace(
-        body,
-        statics=MeshStatics(stiffened),
-        fidelity_levels=partial(_levels, stiffened, damping, stiffening, nodes, held, residual),
-        reduction=reduction,
-    )
+    return replace(body, statics=MeshStatics(stiffened), fidelity_levels=levels, reduction=reduction)
 
 
 class Held(NamedTuple):
@@ -137,7 +132,7 @@ def _is_held(held: Held | None, residual: Residual, modes: int, most: int) -> bo
     return held is not None and modes > 0 and modes + residual.modes < most
 
 
-def _made(make: Callable[[], Body], reduction: Reduction[Body]) -> Body:
+def _made(make: Callable[[], Any], reduction: Reduction[Any]) -> Any:
     return replace(make(), reduction=reduction)
 
 
@@ -151,7 +146,7 @@ def _of_level(
     rows: IntArray | None,
     modes: int,
     free: Callable[[], FreeMesh] | None = None,
-) -> Body:
+) -> Any:
     """The body with so many free modes, and the static response at ``rows`` or, without them, at interfaces."""
     whole = FreeMesh.of(mesh) if free is None else free()
     extra = NO_RESIDUAL
@@ -163,6 +158,8 @@ def _of_level(
     else:
         basis = free_basis(whole, modes)
     own = continued(damping, len(basis[0]) - extra.modes)
+    if mesh.dimension == 3:
+        return replace(solid_body(mesh, basis, own, extra, None), fidelity_levels=again)
     body = body_of(mesh, *basis, own, stiffening, extra)
     return replace(body, statics=MeshStatics(mesh), fidelity_levels=again)
 

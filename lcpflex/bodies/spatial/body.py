@@ -22,7 +22,7 @@ import numpy as np
 
 from lcpflex.basics.arguments import absent, array_of, mapping_of, positive, whole_number
 from lcpflex.basics.restored import restore
-from lcpflex.bodies.body import Resolution, Statics
+from lcpflex.bodies.body import FidelityLevel, Resolution, Statics
 from lcpflex.bodies.spatial.checks import check_inertia, check_products, even
 from lcpflex.bodies.spatial.face_nodes import FaceNodes
 from lcpflex.bodies.spatial.shapes import SHAPES, Shape
@@ -113,6 +113,8 @@ class SpatialBody:
         makes residual modes static that joints and springs do not need
     recovery : what its section forces or stresses are recovered from; None where they cannot be
     reduction : by how many modes of its mesh it was made, and what makes it with more; None where that is not known
+    fidelity_levels : gives the same body at other fidelities, from rigid to the whole mesh; None where only this one is
+        known
     mesh_modes : its modes on its mesh; None where it has none
     statics : static compliance of its whole mesh, (6, 6) by unit forces and moments; None where that is not known
     faces : named parts of the surface of its mesh, whose facets touch other surfaces
@@ -148,6 +150,7 @@ class SpatialBody:
     contact_modes: int = 0
     recovery: SpatialLineShapes | MeshShapes | None = field(default=None, repr=False)
     reduction: Reduction[SpatialBody] | None = field(default=None, repr=False)
+    fidelity_levels: Callable[[], tuple[FidelityLevel, ...]] | None = field(default=None, repr=False)
     mesh_modes: MeshModes | None = field(default=None, repr=False)
     statics: Statics | None = field(default=None, repr=False)
     faces: FacesOrNone = field(default=None, repr=False)  # type: ignore[arg-type]

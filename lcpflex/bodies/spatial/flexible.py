@@ -122,6 +122,9 @@ def flexible_body(
         contact_modes=residual.of_contacts,
         recovery=None if recover is None else recover(shapes),
         reduction=reduction,
+        fidelity_levels=None
+        if reduction is None or reduction.levels is None
+        else reduction.levels(n - reduction.modes),
         mesh_modes=MeshModes(mesh.mass, shapes),
         statics=None if clamped else statics,
         faces=Lazily({name: partial(_face, *here, facets) for name, facets in mesh.faces.items()}),

@@ -117,8 +117,9 @@ def reduce_solid(
     again = None
     if basis is None:
         again = reduction_by(
-            partial(reduce_solid, Known(mesh)), n, most, damping, interfaces=held_at, contact=contact,
-            boundary=boundary, rows=rows, clamped=clamped, second_order=second_order, residual_damping=residual_damping,
+            partial(reduce_solid, Known(mesh)), n, most, damping, elastic_count(mesh, held), interfaces=held_at,
+            contact=contact, boundary=boundary, rows=rows, clamped=clamped, second_order=second_order,
+            residual_damping=residual_damping,
         )  # fmt: skip
     return solid_body(mesh, found, damping, residual, again, second_order, clamped=held is not None)
 

@@ -28,6 +28,7 @@ from lcpflex.scene.sensors.sensor import Sensor, check_placed_sensor
 from lcpflex.scene.spatial.handles import Place, SpatialPlaced
 from lcpflex.scene.spatial.orientation import matrix_of, quaternion_of
 from lcpflex.scene.spatial.relative import SpatialJoint, SpatialLoad
+from lcpflex.scene.substitution import exchanged
 from lcpflex.scene.user_functions import check_names, functions_of
 
 if TYPE_CHECKING:
@@ -69,7 +70,6 @@ _SLOTS = "slots are planar; in space let a sphere or capsule run between surface
 _KNOWN_AS = {
     **dict.fromkeys(("slot", "contact_slot"), _SLOTS),
     "revolute_with_clearance": "it is planar; in space let body.sphere(...) move in body.hole(...)",
-    "with_bodies": "it is planar; in space make the scene anew with the other bodies",
 }
 
 
@@ -334,6 +334,20 @@ class SpatialScene(Register):
         bodies that are reduced here give way by modes of their own at every contact.
         """
         return compiling.compiled_spatial_scene(self, project, indents, gives_way, push)
+
+    def with_bodies(self, bodies: Mapping[str, SpatialBody]) -> SpatialScene:
+        """A new scene like this one with other bodies under the names of ``bodies``; this one is not changed.
+
+        As :meth:`lcpflex.Scene.with_bodies`; an initial deformation is carried over to modes of the same mesh alone,
+        as far as they can follow it.
+
+        Raises
+        ------
+        ModelError
+            For an unknown name, anything but a body of space, what the new body does not have, and a deformed body in
+            the place of which one of another mesh is put.
+        """
+        return exchanged(self, bodies)
 
     def reduced(self) -> SpatialScene:
         """This scene with the bodies reduced that are reduced when it is compiled; itself where there are none."""

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lcpflex.scene.scene import Scene
+    from lcpflex.scene.spatial.scene import SpatialScene
 
 __all__ = ["FidelityRun", "NextLevel", "RightSize"]
 
@@ -125,7 +126,7 @@ class RightSize:
         False after an interruption by Ctrl-C.
     """
 
-    scene: Scene | None
+    scene: Scene | SpatialScene | None
     proved: bool
     tolerance: float
     levels: Mapping[str, str]

@@ -17,16 +17,18 @@ from lcpflex.accuracy.outputs import (
     trajectory,
 )
 from lcpflex.basics.arguments import raised, sequence_of
-from lcpflex.bodies.body import Body, FidelityLevel
+from lcpflex.bodies.body import FidelityLevel
 from lcpflex.errors import LcpflexError, ModelError, shown
+from lcpflex.model.layout import PLANE, SPACE
 from lcpflex.results.watched_places import two_places
-from lcpflex.scene.planar_only import refuse_space
-from lcpflex.scene.scene import Scene
+from lcpflex.scene.register import Register
 from lcpflex.scene.substitution import settled
 from lcpflex.scene.user_system import UserSystem
 
 if TYPE_CHECKING:
     from lcpflex.results.result import Result
+    from lcpflex.scene.scene import Scene
+    from lcpflex.scene.spatial.scene import SpatialScene
 
 __all__ = ["FULL", "Fidelities", "State", "as_rich", "comparable", "known_outputs", "of_scene", "told", "with_level"]
 
@@ -54,11 +56,11 @@ def told(labels: dict[str, str]) -> str:
 class Fidelities:
     """A scene whose bodies ``names`` can be had on the levels ``levels``; the others stay as they are."""
 
-    scene: Scene
+    scene: Scene | SpatialScene
     names: tuple[str, ...]
     levels: tuple[tuple[FidelityLevel, ...], ...]
     rigid: int  # coordinates of all bodies without their modes, modes of bodies without levels included
-    _made: dict[tuple[int, int], Body] = field(default_factory=dict, repr=False)
+    _made: dict[tuple[int, int], Any] = field(default_factory=dict, repr=False)
 
     @property
     def bottom(self) -> State:
@@ -90,12 +92,12 @@ class Fidelities:
         """Name of the level of each body."""
         return {name: levels[k].name for name, levels, k in zip(self.names, self.levels, state, strict=True)}
 
-    def at(self, state: State) -> Scene:
+    def at(self, state: State) -> Scene | SpatialScene:
         """The scene with its bodies on these levels; a body is made once.
 
         What a poor body cannot follow of an initial deformation may part it from its joints: then it is moved back.
         """
-        bodies: dict[str, Body] = {}
+        bodies: dict[str, Any] = {}
         for b, (name, level) in enumerate(zip(self.names, state, strict=True)):
             if (b, level) not in self._made:
                 self._made[b, level] = self.levels[b][level].make()
@@ -111,15 +113,16 @@ def of_scene(scene: Any) -> Fidelities:
     except LcpflexError as error:
         raise ModelError(f"scene: {error}") from error
     except Exception as error:
-        raise raised("scene", error, "a Scene, a function that makes one, or a Case") from error
+        raise raised("scene", error, "a scene, a function that makes one, or a Case") from error
     if hasattr(made, "build") and hasattr(made, "duration"):  # a function that returns a case
         made = made.build()
-    refuse_space("right_size", made)
-    if not isinstance(made, Scene):
+    if not isinstance(made, Register):
         what = "a UserSystem, which has no bodies," if isinstance(made, UserSystem) else shown(scene)
-        raise ModelError(f"scene: {what} was given, expected a Scene, a function that makes one, or a Case")
-    made = made.reduced()
-    placed = made.parts().placed
+        raise ModelError(
+            f"scene: {what} was given, expected a Scene, a SpatialScene, a function that makes one, or a Case"
+        )
+    reduced: Any = made.reduced()  # type: ignore[attr-defined]  # both kinds of scenes have it
+    placed = reduced.parts().placed
     found = {
         one.name: one.source.fidelity_levels()
         for one in placed
@@ -129,10 +132,11 @@ def of_scene(scene: Any) -> Fidelities:
     if not found:
         raise ModelError(
             "scene: none of its bodies has fidelity levels, expected at least one that was reduced from a mesh, "
-            "such as Beam(...).reduce()"
+            "such as Beam(...).reduce(), or in space SpatialBeam(...) or Solid(...)"
         )
+    size = SPACE if reduced.spatial else PLANE
     fixed = sum(one.source.modes for one in placed if one.source is not None and one.name not in found)
-    return Fidelities(made, tuple(found), tuple(found.values()), 3 * len(placed) + fixed)
+    return Fidelities(reduced, tuple(found), tuple(found.values()), size.rigid * len(placed) + fixed)
 
 
 def known_outputs() -> tuple[str, ...]:

@@ -208,14 +208,22 @@ def test_an_initial_deformation_in_space_is_the_same(options) -> None:
 
 
 def test_a_deformation_of_another_mesh_is_refused() -> None:
-    from lcpflex.scene.substitution import exchanged
+    from lcpflex.scene.substitution import one_with
 
     scene = lf.SpatialScene()
     scene.add(ROD.reduce(2), "rod", modal=[1e-3, 1e-3])
     with pytest.raises(ModelError, match="'rod': its initial deformation cannot be carried over"):
-        exchanged(scene, {"rod": replace(ROD, shear_modulus=None, elements=9).reduce(4)})
+        scene.with_bodies({"rod": replace(ROD, shear_modulus=None, elements=9).reduce(4)})
     with pytest.raises(ModelError, match="'rod': the modes of the new body cannot follow"):
-        exchanged(scene, {"rod": ROD.reduce(1)})
+        one_with(scene.body("rod"), ROD.reduce(1))
+
+
+def test_other_bodies_follow_a_deformation_in_space_as_far_as_they_can() -> None:
+    scene = lf.SpatialScene()
+    scene.add(ROD.reduce(2), "rod", modal=[1e-3, 2e-3], modal_velocity=[0.3, 0.4])
+    q, u = scene.with_bodies({"rod": ROD.reduce(1)}).body("rod").start
+    np.testing.assert_allclose(np.concatenate([q[7:], u[6:]]), [1e-3, 0.3], rtol=1e-9)
+    assert [len(part) for part in scene.with_bodies({"rod": ROD.reduce(0)}).body("rod").start] == [7, 6]
 
 
 @pytest.mark.parametrize("in_space", [False, True], ids=["plane", "space"])

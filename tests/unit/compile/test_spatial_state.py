@@ -60,7 +60,6 @@ def test_states_that_are_none_are_refused() -> None:
     [
         (lf.equilibria, "equilibria"),
         (lf.studies.small_vibrations, "small_vibrations"),
-        (lambda scene: lf.studies.right_size(scene, duration=0.1), "right_size"),
     ],
 )
 def test_what_is_made_for_the_plane_says_so(ask, what: str) -> None:  # type: ignore[no-untyped-def]
