@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.contact.detection import detect
-from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics import mechanics
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.kinematics.configuration import advance, difference
 from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.model.layout import is_spatial
+from lcpflex.statics.stiffness_columns import lay_contacts, stiffness_columns
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
@@ -140,6 +140,32 @@ class Balance:
         held = np.bincount(columns.ravel(), weights=parts, minlength=len(pushed) + 1)[:-1]
         return np.asarray(self._work.free.total + pushed + held)
 
+    def stiffness(self, q: FloatArray, p: FloatArray, step: FloatArray) -> FloatArray:
+        """-d(h + rows^T p)/dq (ndof, ndof) by central differences of ``step`` (ndof,), p of fixed size."""
+        n = len(self._still)
+        K = np.zeros((n, n), order="F")
+        if self._supply is not None:
+            return self._supplied_stiffness(q, p, step, K)
+        work, r = self._work, len(self._work.scratch.residual)
+        own = p if self.push is None else np.delete(p, r)
+        self._lay(q)
+        tangent = work.rows.tangent[: work.rows.n_tangents : int(work.rows.across)]
+        first = np.full(self.n_contacts, -1)
+        first[tangent] = r + self.n_contacts + int(work.rows.across) * np.arange(len(tangent))
+        room = np.empty((2, len(q))), np.empty(n)
+        stiffness_columns(self.model, self.time, q, self._still, step, own, first, *room, work, K)
+        return K
+
+    def _supplied_stiffness(self, q: FloatArray, p: FloatArray, step: FloatArray, K: FloatArray) -> FloatArray:
+        """:meth:`stiffness` with forces by Python functions, which may depend on the state."""
+        for i in range(len(step)):
+            way = np.zeros(len(step))
+            way[i] = step[i]
+            ahead, behind = self.moved(q, way), self.moved(q, -way)
+            apart = self.difference(ahead, behind)[i]  # which rounding of q makes another length than 2 steps
+            K[:, i] = (self.pull(behind, p) - self.pull(ahead, p)) / apart
+        return K
+
     def _lay(self, q: FloatArray) -> None:
         """Forces to ``work.free.total``, rows of joints and contacts to ``work.rows.J``."""
         model, work, n = self.model, self._work, self.n_contacts
@@ -150,9 +176,7 @@ class Balance:
         if n_joint:
             mechanics.fill_joint_rows(model, self.time, q, self._still, work.free.external, work.rows)
             joint_residual(model, self.time, q, work.free.external, work.scratch.residual)
-        for k in range(n):
-            refresh(model, q, work.rows.table, k)
-        n_tangent = mechanics.fill_contact_rows(model, q, n, n_joint, work.rows) if n else 0
+        n_tangent = lay_contacts(model, q, n, n_joint, work.rows) if n else 0
         mechanics.count_rows(work.rows, n_joint, n, n_tangent)
 
     def _columns(self, total: int) -> IntArray:

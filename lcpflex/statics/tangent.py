@@ -20,16 +20,9 @@ def tangent_stiffness(balance: Balance, scales: Scales, q: FloatArray, p: FloatA
     Central differences: about ten digits of what changes over the extent of a body.
     """
     n, rigid = len(scales.arm), dimension(balance.model.bodies).rigid
-    K = np.empty((n, n))
     dof = balance.model.bodies.dof
     body = np.searchsorted(dof, np.arange(n), side="right") - 1
-    step = SHARE * scales.extent[body] / scales.arm
-    for i in range(n):
-        way = np.zeros(n)
-        way[i] = step[i]
-        ahead, behind = balance.moved(q, way), balance.moved(q, -way)
-        apart = balance.difference(ahead, behind)[i]  # which rounding of q makes another length than 2 steps
-        K[:, i] = (balance.pull(behind, p) - balance.pull(ahead, p)) / apart
+    K = balance.stiffness(q, p, SHARE * scales.extent[body] / scales.arm)
     for b in range(len(dof) - 1):  # linear springs of modes are known: nothing of theirs is to be lost
         modes = np.arange(dof[b] + rigid, dof[b + 1])
         own = balance.model.bodies.stiffness[modes - rigid * (b + 1)]
