@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lcpflex.contact.detection import detect
 from lcpflex.dynamics import mechanics
@@ -93,6 +94,15 @@ class Balance:
             return np.eye(1)
         table: Any = self._work.rows.table
         return np.stack([table.tangent[k], np.cross(table.normal[k], table.tangent[k])])
+
+    def crossing(self) -> NDArray[np.bool_]:
+        """(n,) which contacts found last are where edges of space cross."""
+        found = np.zeros(self.n_contacts, bool)
+        if is_spatial(self.model) and self.n_contacts:
+            from lcpflex.contact.spatial.table import WITH_EDGE  # which planar scenes do without
+
+            found = WITH_EDGE[self._work.rows.table.kind[: self.n_contacts]]
+        return found
 
     def look(self, q: FloatArray, margin: float) -> Configuration:
         """Forces and rows at q (nq,), with all contacts whose gap is ``margin`` [m] at most."""

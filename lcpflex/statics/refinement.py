@@ -95,6 +95,8 @@ def refined(balance: Balance, scales: Scales, path: Path) -> FloatArray | None:
     for _ in range(TURNS):
         at = balance.again(q)
         sets = sets_of(at, pressed, ratio, sticks)
+        if balance.crossing().any():
+            p = p + _missing(sets, at, scales, p)
         unbalanced = scales.force(at.force + at.rows.T @ p) / here.scale
         drift = float(np.abs(sets.offset[:r]).max(initial=0.0)) / scales.size
         apart = float(np.abs(sets.offset[r:]).max(initial=0.0)) / scales.size
@@ -116,6 +118,16 @@ def refined(balance: Balance, scales: Scales, path: Path) -> FloatArray | None:
         if not scales.moved(balance.difference(q, here.at.q)) <= path.longest:
             break
     return best if best_left <= EXACT else near if near_left <= CLOSED else None
+
+
+def _missing(sets: Sets, at: Configuration, scales: Scales, p: FloatArray) -> FloatArray:
+    """What the multipliers p of all rows lack of a balance.
+
+    Where edges that are nearly parallel cross, rounding of the place moves the corner, and with it its force, by much
+    more than itself.
+    """
+    left = (at.force + at.rows.T @ p) / scales.arm
+    return np.asarray(sets.spread @ np.linalg.lstsq((sets.push / scales.arm).T, -left, rcond=CUT)[0])
 
 
 def _newton(K: FloatArray, sets: Sets, at: Configuration, c: FloatArray) -> tuple[FloatArray, FloatArray]:
