@@ -21,7 +21,9 @@ from lcpflex.statics.balance import Balance, Configuration
 
 __all__ = ["Scales", "acting", "acting_on", "scales_of", "softest"]
 
-SLENDER = 0.01  # of the extent: least arm of a turn about a body's own axis, lest of a thin rod rounding seem a force
+# of the extent, and of the mean displacement in a mode: least arm of a turn about a body's own axis and of a mode in
+# space, lest for a thin rod, which moves no point of its axis when it twists, rounding seem a force
+SLENDER = 0.01
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,7 +49,7 @@ def scales_of(model: Any, q: FloatArray, size: float) -> Scales:
     turns = numbers.rigid - numbers.components  # angles of a body
     radius = np.sqrt(_inertia(bodies) / bodies.mass[:, None])
     extent, arms = radius.max(axis=1), radius.copy()
-    arm = np.ones(int(bodies.dof[-1]))
+    arm, least = np.ones(int(bodies.dof[-1])), SLENDER if turns > 1 else 0.0
     for b in range(len(bodies.mass)):
         own = np.flatnonzero(points.body == b)
         places = points.place[own]
@@ -58,7 +60,8 @@ def scales_of(model: Any, q: FloatArray, size: float) -> Scales:
         shapes = np.zeros(modes.stop - modes.start)
         for p in own.tolist():
             shapes = np.maximum(shapes, _lengths(points.phi[points.start[p] : points.start[p + 1]]))
-        arm[modes] = np.where(shapes > 0.0, shapes, 1.0 / np.sqrt(bodies.mass[b]))
+        usual = 1.0 / np.sqrt(bodies.mass[b])
+        arm[modes] = np.maximum(np.where(shapes > 0.0, shapes, usual), least * usual)
     extent = np.where(extent > 0.0, extent, size)
     arms = np.maximum(arms, SLENDER * extent[:, None]) if turns > 1 else extent[:, None]
     arm[bodies.dof[:-1, None] + np.arange(numbers.components, numbers.rigid)] = arms
