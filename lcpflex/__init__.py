@@ -91,6 +91,8 @@ if TYPE_CHECKING:
     from lcpflex.solvers.quadratic_program import QuadraticProgram
     from lcpflex.statics.equilibria import equilibria
     from lcpflex.statics.equilibrium import equilibrium
+    from lcpflex.statics.equilibrium_path import EquilibriumPath
+    from lcpflex.statics.following import path
     from lcpflex.statics.rest import Rest
     from lcpflex.steppers.adaptive import AdaptiveStep
     from lcpflex.steppers.event_driven.stepper import EventDriven
@@ -121,6 +123,7 @@ __all__ = [
     "DrivenDisplacement",
     "Stronge",
     "EnergyGrowth",
+    "EquilibriumPath",
     "EventDriven",
     "ExplicitRungeKutta",
     "Force",
@@ -188,6 +191,7 @@ __all__ = [
     "laws",
     "matrices_from_files",
     "meshes",
+    "path",
     "residual_compliance",
     "resolution_rules",
     "resume",

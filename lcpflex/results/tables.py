@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from lcpflex.results.result import Result
 
-__all__ = ["facts", "to_dataframe", "to_xarray"]
+__all__ = ["columns_at_rest", "facts", "to_dataframe", "to_xarray"]
 
 AXES = ("x", "y", "z")
 COMPONENTS = ("normal", "tangential")
@@ -72,22 +72,50 @@ def to_dataframe(result: Result) -> Any:
 
 def _columns(result: Result) -> dict[str, tuple[NDArray[Any], str]]:
     """Values (m,) and unit of each column."""
-    units, rates = _units(result)
-    named = list(enumerate(result.coordinate_names()))
-    columns: dict[str, tuple[NDArray[Any], str]] = {name: (result.q[:, k], units[k]) for k, name in named}
+    rates = _units(result)[1]
+    columns = _coordinate_columns(result)
     columns |= {name: (result.u[:, k], rates[k]) for k, name in enumerate(_rates(result))}
     for k, name in enumerate(result.contact_names):
-        for what, values, unit in (("force", result.force, "N"), ("impulse", result.impulse, "N s")):
-            columns |= {f"{name}.{way} {what}": (values[:, k, c], unit) for c, way in enumerate(_components(result))}
-        columns[f"{name}.state"] = (result.state[:, k], "1")
+        columns |= _contact_columns(result, k, (("force", result.force, "N"), ("impulse", result.impulse, "N s")))
         columns[f"{name}.gap"] = (result.gap[:, k], "m")
-    if result.joint_force is not None:
-        for k, name in enumerate(_joints(result)):
-            for i, (way, unit) in enumerate(_reaction_columns(result)):
-                columns[f"{name}.{way}"] = (result.joint_force[:, k, i], unit)
+    columns |= _joint_columns(result)
     columns |= {f"energy.{name}": (getattr(result.energies, name), "J") for name in Energies.__dataclass_fields__}
     known = {name: unit for name, unit in OF_EACH_INSTANT.items() if getattr(result, name) is not None}
     return columns | {name: (getattr(result, name), unit) for name, unit in known.items()}
+
+
+def columns_at_rest(result: Result) -> dict[str, tuple[NDArray[Any], str]]:
+    """Those of configurations and forces alone."""
+    columns = _coordinate_columns(result)
+    for k in range(len(result.contact_names)):
+        columns |= _contact_columns(result, k, (("force", result.force, "N"),))
+    return columns | _joint_columns(result)
+
+
+def _coordinate_columns(result: Result) -> dict[str, tuple[NDArray[Any], str]]:
+    units = _units(result)[0]
+    return {name: (result.q[:, k], units[k]) for k, name in enumerate(result.coordinate_names())}
+
+
+def _contact_columns(
+    result: Result, k: int, told: Sequence[tuple[str, NDArray[Any], str]]
+) -> dict[str, tuple[NDArray[Any], str]]:
+    """What is told of contact k, (m, nc, parts) each, and its state."""
+    name = result.contact_names[k]
+    columns: dict[str, tuple[NDArray[Any], str]] = {}
+    for what, values, unit in told:
+        columns |= {f"{name}.{way} {what}": (values[:, k, c], unit) for c, way in enumerate(_components(result))}
+    return columns | {f"{name}.state": (result.state[:, k], "1")}
+
+
+def _joint_columns(result: Result) -> dict[str, tuple[NDArray[Any], str]]:
+    if result.joint_force is None:
+        return {}
+    return {
+        f"{name}.{way}": (result.joint_force[:, k, i], unit)
+        for k, name in enumerate(_joints(result))
+        for i, (way, unit) in enumerate(_reaction_columns(result))
+    }
 
 
 def to_xarray(result: Result) -> Any:
