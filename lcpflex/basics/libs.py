@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from scipy.integrate import solve_ivp
     from scipy.interpolate import CubicHermiteSpline, CubicSpline
     from scipy.optimize import brentq, linprog, nnls
-    from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, splu
+    from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, eigsh, splu
     from scipy.spatial import ConvexHull, QhullError, cKDTree
     from scipy.spatial.transform import Rotation
     from scipy.special import lambertw

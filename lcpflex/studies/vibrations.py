@@ -1,6 +1,6 @@
-"""Small vibrations of a scene about the state in which it rests, or turns as a whole.
+"""Small vibrations of a scene about the state in which it rests, or turns as a whole, in the plane and in space.
 
-Seen from axes that turn at omega about the origin of the world, a scene that turns with them rests. With the residual
+Seen from axes that turn at Omega about the origin of the world, a scene that turns with them rests. With the residual
 
     r(q, v, w, lambda) = M(q) udot - h(q, u) - J^T lambda,   phi(q) = 0
 
@@ -9,45 +9,43 @@ state (q, lambda) is the one with r(q, 0, 0, lambda) = 0, and small motions d q 
 
     Z^T (M w + (dr/dv) v + (dr/dq) d q) = 0
 
-Derivatives are central differences of r.
+Derivatives are central differences of r. In space d q are displacements in the coordinates of velocities, and bodies
+may spin about their own axes, in carriers that rest (:mod:`lcpflex.studies.turning_axes`).
 """
 
 from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.dynamics.applied_forces import applied_forces
-from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces
-from lcpflex.dynamics.mass_matrix import mass_matrix
-from lcpflex.dynamics.start import violation
+from lcpflex.basics import libs
+from lcpflex.basics.arguments import array_of, mapping_of, whole_number
 from lcpflex.errors import ModelError, ModelWarning, SolverError, in_range, shown
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.jit.struct import pack
-from lcpflex.model.planar import N_RIGID
-from lcpflex.scene.planar_only import refuse_space
-from lcpflex.scene.scene import Scene
+from lcpflex.scene.register import Register
+from lcpflex.studies.exponents import all_exponents, local_rate, loose, lowest_exponents, nearest, saddle
+from lcpflex.studies.turning_axes import TurningAxes
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     import numpy.typing as npt
 
     from lcpflex.compile.compiled_scene import CompiledScene
+    from lcpflex.scene.scene import Scene
+    from lcpflex.scene.spatial.scene import SpatialScene
 
 __all__ = ["Vibrations", "small_vibrations"]
 
-DIFFERENCE = (
-    1e-5  # of a large change of each coordinate: forces are at most quadratic in them, but for the sine of angles
-)
 ITERATIONS = 30
 SETTLED = 1e-9
 BALANCED = 1e-11  # of the largest stiffness: a force left over moves the scene away
-INDEPENDENT = 1e-10  # of joint rows
+LARGE = 400  # coordinates from which on matrices are sparse: all exponents of as many take a second
+COUNT = 40  # pairs of exponents of a large scene
+HELD_BY_INERTIA = 1e-6  # of the local stiffness, in steps to the steady state of a large scene that may float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,12 +54,15 @@ class Vibrations:
 
     Attributes
     ----------
-    q : (ndof,) the steady state
-    exponents : (2 f,) s, complex, of the f coordinates that the joints leave free, ascending by imaginary part [1/s]
+    q : (nq,) the steady state, as many as ndof in the plane
+    exponents : (2 f,) s, complex, of the f coordinates that the joints leave free, ascending by imaginary part [1/s];
+        of those nearest to 0 alone where not all were looked for
+    complete : whether these are all
     """
 
     q: FloatArray
     exponents: npt.NDArray[np.complex128]
+    complete: bool = True
 
     @property
     def frequencies(self) -> FloatArray:
@@ -70,156 +71,155 @@ class Vibrations:
 
     @property
     def growth(self) -> float:
-        """Greatest real part [1/s]: above zero (and rounding) the state is unstable."""
+        """Greatest real part [1/s]: above zero (and rounding) the state is unstable.
+
+        Of the exponents that were looked for: where these are not all, a faster motion may grow all the same.
+        """
         return float(self.exponents.real.max(initial=-math.inf))
 
 
-def small_vibrations(scene: Scene, spin: float = 0.0) -> Vibrations:
+def small_vibrations(
+    scene: Scene | SpatialScene,
+    spin: npt.ArrayLike = 0.0,
+    rotors: Mapping[str, Any] | None = None,
+    count: int | None = None,
+) -> Vibrations:
     """Frequencies and growth of small motions of a scene about its steady state. Contacts are left out.
 
     Parameters
     ----------
     scene : with joints and loads as they are at t = 0; its start is the first guess of the steady state. With a spin,
-        nothing in it may tell one direction of the world from another: no gravity, no ground point but the origin
-    spin : of the scene as a whole about the origin of the world [rad/s]; drives must turn at it
+        nothing in it may tell one direction about the axis from another: no gravity but along the axis, no ground
+        point off it
+    spin : of the scene as a whole about the origin of the world [rad/s], in space (3,), world axes, or 0; drives must
+        turn at it. Frequencies are those that are seen from axes that turn with it
+    rotors : in space, constant spins (3,) of bodies by name, in their own axes, beside that of the whole [rad/s]:
+        wheels in their bearings, tops. They must be the same all round. Speeds of the start are not read
+    count : how many pairs of exponents, those nearest to 0; None for all, of scenes of more than 400 coordinates for
+        40 pairs. Matrices of these are sparse
 
     Raises
     ------
     ModelError
-        For gravity with a spin, and what ``scene.compile()`` refuses.
+        For gravity with a spin that is not along it, spins that joints do not let turn, rotors that are not the same
+        all round, and what ``scene.compile()`` refuses.
     SolverError
-        If no steady state was found near the start.
+        If no steady state was found near the start, or not the exponents of a large scene.
     """
-    spin = in_range("spin", spin, -math.inf, math.inf)
-    refuse_space("small_vibrations", scene)
-    if not isinstance(scene, Scene):
-        raise ModelError(f"scene: {shown(scene)} was given, expected a Scene")
-    compiled = scene.compiled(project=True)  # what penetrates is refused: it would vibrate about another place
-    for warning in compiled.warnings:
+    if not isinstance(scene, Register):
+        raise ModelError(f"scene: {shown(scene)} was given, expected a Scene or a SpatialScene")
+    turning = _spin(spin, scene.spatial)
+    spins = mapping_of("rotors", {} if rotors is None else rotors)
+    if spins and not scene.spatial:
+        raise ModelError("rotors: they were given for a planar scene, expected none: there spin has no effect")
+    if count is not None:
+        count = whole_number("count", count, 1, 1_000_000)
+    compiled: CompiledScene = scene.compiled(project=True)
+    for warning in compiled.warnings:  # what penetrates is refused: it would vibrate about another place
         warnings.warn(warning, ModelWarning, stacklevel=2)
-    if spin != 0.0 and np.any(compiled.model.loads.gravity):
-        raise ModelError("gravity: it was given with a spin, expected none: a scene that turns in it is never steady")
-    turning = _Turning(compiled, spin)
-    q, reaction = _steady(turning, compiled.q.copy())
-    n = len(q)
-    still = np.zeros(n)
-    J = turning.joints(q)[1]
-    free = _null(J, turning.scale)
-    K = _stiffness(turning, q, reaction)
-    D = _jacobian(lambda v: turning.residual(q, v, reaction), still, turning.scale)
-    M, D, K = (free.T @ A @ free for A in (turning.mass(q), D, K))
-    zero, one = np.zeros_like(M), np.eye(len(M))
-    exponents = np.linalg.eigvals(np.block([[zero, one], [-np.linalg.solve(M, K), -np.linalg.solve(M, D)]]))
+    _check_gravity(compiled, turning)
+    axes = TurningAxes(compiled, turning, spins)
+    large = len(compiled.u) > LARGE
+    q, reaction = (_steady_of_many if large else _steady)(axes, compiled.q.copy())
+    if not axes.at_rest:
+        axes.check_rotors(q)
+    M, D, K = axes.mass(q), axes.damping(q, reaction), axes.stiffness(q, reaction)
+    J = axes.jacobian(axes.joints(q))
+    pairs = COUNT if count is None and large else count
+    if large:
+        assert pairs is not None
+        exponents, complete = lowest_exponents(M, D, K, J, axes.scale, pairs), False
+    else:
+        exponents = all_exponents(M, D, K, loose(J.toarray(), axes.scale))
+        complete = pairs is None or 2 * pairs >= len(exponents)
+        if not complete:
+            exponents = exponents[nearest(exponents, pairs or 0)]
     order = np.lexsort((exponents.real, exponents.imag))
-    return Vibrations(q, np.asarray(exponents[order], dtype=np.complex128))
+    return Vibrations(q, np.asarray(exponents[order], dtype=np.complex128), complete)
 
 
-class _Turning:
-    """The mechanics of a scene as seen from turning axes."""
-
-    def __init__(self, compiled: CompiledScene, spin: float) -> None:
-        self._compiled = compiled
-        self._model = pack(compiled.model)
-        self._spin = spin
-        self._frames = compiled.model.bodies.dof[:-1]
-        self.scale = _scale(compiled)
-
-    def _external(self, q: FloatArray, u: FloatArray) -> FloatArray:
-        external = np.zeros((self._compiled.n_external, 3))
-        state = self._compiled.state(0.0, q, u)
-        for callback in self._compiled.callbacks:
-            callback.fill(0.0, state, external)
-        return external
-
-    def joints(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """phi (m,) and J (m, ndof)."""
-        u = np.zeros_like(q)
-        found = violation(self._compiled.model, q, u, self._external(q, u))
-        return found.position, found.jacobian
-
-    def mass(self, q: FloatArray) -> FloatArray:
-        """M (ndof, ndof)."""
-        return mass_matrix(self._compiled.model, q)
-
-    def residual(self, q: FloatArray, v: FloatArray, reaction: FloatArray) -> FloatArray:
-        """r of the module at w = 0 (ndof,)."""
-        x, y, spin = self._frames, self._frames + 1, self._spin
-        u, udot = v.copy(), np.zeros_like(v)
-        u[x] -= spin * q[y]
-        u[y] += spin * q[x]
-        u[self._frames + 2] += spin
-        udot[x] = -(spin**2) * q[x] - 2.0 * spin * v[y]
-        udot[y] = -(spin**2) * q[y] + 2.0 * spin * v[x]
-        model = self._model
-        force = np.zeros_like(q)
-        inertial_forces(model.bodies, model.loads, q, u, force)
-        elastic_forces(model.bodies, q, u, force, force)
-        applied_forces(model, 0.0, q, u, np.zeros(2), self._external(q, u), force, force, force)
-        return np.asarray(self.mass(q) @ udot - force - self.joints(q)[1].T @ reaction)
+def _spin(given: npt.ArrayLike, spatial: bool) -> FloatArray:
+    """(1,), in space (3,)."""
+    if not spatial:
+        return np.array([in_range("spin", given, -math.inf, math.inf)])
+    if np.ndim(given) == 0 and given == 0.0:
+        return np.zeros(3)
+    return array_of("spin", given, (3,))
 
 
-def _steady(turning: _Turning, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _check_gravity(compiled: CompiledScene, spin: FloatArray) -> None:
+    gravity = np.asarray(compiled.model.loads.gravity)
+    if not (spin.any() and gravity.any()):
+        return
+    if len(spin) == 1 or np.linalg.norm(np.cross(gravity, spin)) > SETTLED * np.linalg.norm(gravity) * np.linalg.norm(
+        spin
+    ):
+        expected = "none" if len(spin) == 1 else "none, or gravity along the axis"
+        raise ModelError(
+            f"gravity: it was given with a spin, expected {expected}: a scene that turns in it is never steady"
+        )
+
+
+def _steady(axes: TurningAxes, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     """State and reactions (m,) without any motion as seen from the turning axes, by Newton's method.
 
     Along the joints and across them apart from each other: stiff modes and constraints differ by many powers of ten.
     """
+    scale, still = axes.scale, np.zeros(len(axes.scale))
     for _ in range(ITERATIONS):
-        phi, J = turning.joints(q)
-        free, scale = _null(J, turning.scale), turning.scale
-        reaction = _reaction(turning, q, J)
-        rest = turning.residual(q, np.zeros_like(q), reaction)
-        K = _stiffness(turning, q, reaction)
-        onto = -scale * (np.linalg.pinv(J * scale) @ phi)
+        found = axes.joints(q)
+        J = found.jacobian
+        free = loose(J, scale)
+        reaction = _reaction(axes, q, J)
+        rest = axes.residual(q, still, reaction)
+        K = axes.stiffness(q, reaction).toarray()
+        onto = -scale * (np.linalg.pinv(J * scale) @ found.position)
         along = np.linalg.lstsq(free.T @ K @ free, -free.T @ (rest + K @ onto), rcond=1e-14)[0]
         change = onto + free @ along
         size = float(np.abs(scale[:, None] * K * scale).max())
-        q = q + change
-        if np.abs(change / scale).max() <= SETTLED * (1.0 + np.abs(q / scale).max()):
-            J = turning.joints(q)[1]
-            reaction = _reaction(turning, q, J)
-            left = _null(J, scale).T @ turning.residual(q, np.zeros_like(q), reaction)
+        q = axes.moved(q, change)
+        if axes.is_small(q, change, SETTLED):
+            J = axes.joints(q).jacobian
+            reaction = _reaction(axes, q, J)
+            left = loose(J, scale).T @ axes.residual(q, still, reaction)
             if np.abs(left).max(initial=0.0) <= BALANCED * size:
                 return q, reaction
             break
     raise SolverError("no steady state was found near the start of the scene, by Newton's method")
 
 
-def _reaction(turning: _Turning, q: FloatArray, J: FloatArray) -> FloatArray:
+def _reaction(axes: TurningAxes, q: FloatArray, J: FloatArray) -> FloatArray:
     """lambda (m,) that leaves the least residual."""
-    unheld = turning.residual(q, np.zeros_like(q), np.zeros(len(J)))
-    return np.asarray(np.linalg.pinv((J * turning.scale).T) @ (turning.scale * unheld))
+    unheld = axes.residual(q, np.zeros(len(axes.scale)), np.zeros(len(J)))
+    return np.asarray(np.linalg.pinv((J * axes.scale).T) @ (axes.scale * unheld))
 
 
-def _stiffness(turning: _Turning, q: FloatArray, reaction: FloatArray) -> FloatArray:
-    still = np.zeros_like(q)
-    return _jacobian(lambda x: turning.residual(x, still, reaction), q, turning.scale)
+def _steady_of_many(axes: TurningAxes, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """As :func:`_steady` by sparse factors of coordinates and reactions together.
 
-
-def _scale(compiled: CompiledScene) -> FloatArray:
-    """(ndof,) what is a large change of each coordinate: the extent of a body, a radian, a mode that moves so far."""
-    bodies, points = compiled.model.bodies, compiled.model.points
-    scale = np.full(len(compiled.q), compiled.size)
-    for b, first in enumerate(bodies.dof[:-1]):
-        scale[first + 2] = 1.0
-        n = int(bodies.dof[b + 1] - first) - N_RIGID
-        own = [points.phi[points.start[p] : points.start[p + 1]] for p in np.flatnonzero(points.body == b)]
-        moved = np.abs(own).max(axis=(0, 2)) if own and n else np.zeros(n)
-        scale[first + N_RIGID : first + N_RIGID + n] /= np.maximum(moved, np.finfo(float).tiny)
-        scale[first + N_RIGID : first + N_RIGID + n][moved == 0.0] = 1.0  # a mode that no point of the scene shows
-    return scale
-
-
-def _jacobian(function: Callable[..., FloatArray], x: FloatArray, scale: FloatArray) -> FloatArray:
-    columns: list[Any] = []
-    for k in range(len(x)):
-        step = np.zeros_like(x)
-        step[k] = DIFFERENCE * scale[k]
-        columns.append((function(x + step) - function(x - step)) / (2.0 * step[k]))
-    return np.column_stack(columns)
-
-
-def _null(J: FloatArray, scale: FloatArray) -> FloatArray:
-    """(ndof, f) basis of the motions that the joints leave free, orthonormal in parts of ``scale``."""
-    _, sizes, rows = np.linalg.svd(J * scale)
-    rank = int((sizes > INDEPENDENT * sizes.max(initial=0.0)).sum())
-    return np.asarray(scale[:, None] * rows[rank:].T)
+    A part of the inertia is added to the stiffness, so that what floats has a factor and stays where it is.
+    """
+    scale, still = axes.scale, np.zeros(len(axes.scale))
+    across = libs.sparse.diags(scale)
+    metric = libs.sparse.diags(1.0 / scale**2).tocsr()
+    for _ in range(ITERATIONS):
+        found = axes.joints(q)
+        J = axes.jacobian(found)
+        none = np.zeros(J.shape[0])
+        unheld = axes.residual(q, still, none)
+        reaction = saddle(metric, J, scale)(unheld, none)[1]
+        rest = axes.residual(q, still, reaction)
+        K, M = axes.stiffness(q, reaction), axes.mass(q)
+        held = K + HELD_BY_INERTIA * local_rate(M, K) ** 2 * M
+        change = saddle(held, J, scale)(-rest, -found.position)[0]
+        size = float(abs(across @ K @ across).max())
+        q = axes.moved(q, change)
+        if axes.is_small(q, change, SETTLED):
+            J = axes.jacobian(axes.joints(q))
+            unheld = axes.residual(q, still, none)
+            reaction = saddle(metric, J, scale)(unheld, none)[1]
+            left = scale * axes.residual(q, still, reaction)
+            if np.abs(left).max(initial=0.0) <= BALANCED * size:
+                return q, reaction
+            break
+    raise SolverError("no steady state was found near the start of the scene, by Newton's method")

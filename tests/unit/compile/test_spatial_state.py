@@ -59,7 +59,6 @@ def test_states_that_are_none_are_refused() -> None:
     ("ask", "what"),
     [
         (lf.equilibria, "equilibria"),
-        (lf.studies.small_vibrations, "small_vibrations"),
     ],
 )
 def test_what_is_made_for_the_plane_says_so(ask, what: str) -> None:  # type: ignore[no-untyped-def]
