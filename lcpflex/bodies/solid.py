@@ -108,9 +108,10 @@ class Solid:
         ----------
         sizes : (3,) lengths along x, y, z [m]
         size : longest edge of an element [m]
-        near : name -> (place (3,), finest) or (place, finest, radius) [m]: where contact is expected, on the surface.
-            Elements within the radius, 8 finest if omitted, are at most as long as ``finest`` and grow from there to
-            ``size``; the faces there have that name
+        near : name -> (place (3,), finest), (place, finest, radius) [m] or (place, finest, radius, growth): where
+            contact is expected, on the surface. Elements within the radius, 8 finest if omitted, are at most as long as
+            ``finest``; from there on each is ``growth`` times its neighbour, 1.28 if omitted, up to ``size``. The faces
+            within the radius have that name
         elements : numbers along x, y, z, in the place of ``size``
         **material : ``density``, ``youngs_modulus``, ``poissons_ratio``, ``sets``, and ``length_unit`` of all lengths
             here, as for :class:`Solid`

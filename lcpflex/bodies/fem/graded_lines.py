@@ -16,7 +16,8 @@ from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["Axis", "Pull", "Spot", "lines_between", "refuse_many", "spots_of"]
 
-GROWTH = 0.25  # of the size of elements with the distance from a place: neighbours differ by exp(.25) = 1.28
+GROWTH = math.exp(0.25)  # 1.28 from an element to the next, if not given
+FASTEST = 3.0  # the same: elements that are three times their neighbour resolve no decay of stresses
 WITHIN = 8.0  # finest elements up to which they stay so: a radius of contact of 5 gives pressures to 3 %, and a margin
 SAMPLES = 1000  # of the distances from a place, geometric: sizes between them are wrong by 1e-4 at most
 ROUNDING = 1e-9  # of a number of elements: so much above a whole number is no reason for one more
@@ -38,6 +39,7 @@ class Spot(NamedTuple):
     place: FloatArray  # (3,) [m]
     finest: float  # edges there [m]
     radius: float  # up to which they are as short [m]
+    growth: float  # from an element to the next beyond it
 
 
 class Pull(NamedTuple):
@@ -51,11 +53,12 @@ class Pull(NamedTuple):
     metric: float  # metres a unit of the coordinate
     finest: float  # [m]
     within: float  # distance up to which elements are as small as that [m]
+    slope: float  # of the size of elements with the distance beyond it: neighbours differ by its exponential
 
     def steps(self, s: FloatArray) -> FloatArray:
         """(k,) distances of lines that are allowed at coordinates (k,), in units of the coordinate."""
         distance = np.hypot(self.away, self.metric * (s - self.at))
-        return np.asarray((self.finest + GROWTH * np.maximum(distance - self.within, 0.0)) / self.metric)
+        return np.asarray((self.finest + self.slope * np.maximum(distance - self.within, 0.0)) / self.metric)
 
     def samples(self, span: float) -> FloatArray:
         """Coordinates between which ``steps`` hardly curves, up to ``span`` from ``at``."""
@@ -116,19 +119,19 @@ def _fixed(low: float, high: float, pulls: list[Pull]) -> list[float]:
 
 
 def spots_of(near: Any, size: float, taken: Iterable[str]) -> list[Spot]:
-    """The places of ``near``: name -> (place, finest) or (place, finest, radius).
+    """The places of ``near``: name -> (place, finest), (place, finest, radius) or (place, finest, radius, growth).
 
     Raises
     ------
     ModelError
-        For anything else, names in ``taken``, finest > size, or radius < finest.
+        For anything else, names in ``taken``, finest > size, radius < finest, or a growth outside (1, 3).
     """
     spots = []
     for name, value in ({} if near is None else mapping_of("near", near)).items():
         label = f"near[{shown(name)}]"
         if name in taken:
             raise ModelError(f"near: the name {shown(name)} was given, expected another one: a face of the mesh has it")
-        given = sequence_of(label, value, "a place (3,), its finest size, and a radius if wanted", 3)
+        given = sequence_of(label, value, "a place (3,), its finest size, and a radius and a growth if wanted", 4)
         if len(given) < 2:
             raise ModelError(f"{label}: {shown(value)} was given, expected a place (3,) and its finest size")
         place = array_of(f"{label}: place", given[0], (3,))
@@ -137,5 +140,6 @@ def spots_of(near: Any, size: float, taken: Iterable[str]) -> list[Spot]:
         radius = WITHIN * finest if len(given) < 3 else positive(f"{label}: radius", given[2])
         if radius < finest:
             raise ModelError(f"{label}: radius: {radius:g} m was given, expected at least the finest size {finest:g} m")
-        spots.append(Spot(name, place, min(finest, size), radius))
+        growth = GROWTH if len(given) < 4 else in_range(f"{label}: growth", given[3], 1.0, FASTEST, open_ends=True)
+        spots.append(Spot(name, place, min(finest, size), radius, growth))
     return spots

@@ -1,11 +1,12 @@
 """Structured meshes of 8-node hexahedra: box, bar, cylinder, tube, ball.
 
 Elements are as long as ``size`` at most. ``near`` makes them smaller towards places of the surface where contact is
-expected: name -> (place, finest) or (place, finest, radius). Within ``radius`` [m] of the place (8 ``finest`` if
-omitted) their edges are at most ``finest`` long, and neighbours grow by 1.28 from there. The quadrilaterals of the
-boundary within that radius are the face ``name``. A place must be on the surface, to ``finest``. Small elements go
-on along their lines, through the whole body: no node hangs on an edge. A ball with one place has shells about it
-instead, from there to its antipode, where these are fewer elements.
+expected: name -> (place, finest), (place, finest, radius) or (place, finest, radius, growth). Within ``radius`` [m] of
+the place (8 ``finest`` if omitted) their edges are at most ``finest`` long, and from there on each is ``growth`` times
+its neighbour (1.28 if omitted; below 3). The quadrilaterals of the boundary within that radius are the face ``name``. A
+place must be on the surface, to ``finest``. Small elements go on along their lines, through the whole body: no node
+hangs on an edge. A ball with one place has shells about it instead, from there to its antipode, where these are fewer
+elements.
 
 A radius of contact of five elements gives the pressure of Hertz's contact to 3 %, three its force and size.
 
@@ -200,7 +201,7 @@ def _lines(grid: Grid, size: float, spots: list[Spot], finest: list[float]) -> l
     for spot, edge in zip(spots, finest, strict=True):
         for axis, at, away, metric in grid.pulled(spot.place):
             within = (spot.radius + spot.finest) * spot.finest / edge  # wider, too, where curves made edges too long
-            pulls[axis].append(Pull(at, away, metric, edge, within))
+            pulls[axis].append(Pull(at, away, metric, edge, within, math.log(spot.growth)))
     return [
         lines_between(axis.low, axis.high, size / axis.metric, axis.least, of)
         for axis, of in zip(axes, pulls, strict=True)

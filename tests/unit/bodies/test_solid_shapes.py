@@ -189,6 +189,20 @@ class TestNear:
             assert len(ratios) > 20
             assert max(ratios.max(), 1.0 / ratios.min()) < 1.42
 
+    def test_neighbours_grow_as_they_are_told(self):
+        """Beyond the radius h = .02 + ln(growth) distance, of which the steps from line to line are those."""
+        counts = []
+        for growth in (1.1, 1.28402541669, 2.0):
+            mesh = box((8.0, 0.5, 0.5), 1.0, near={"spot": ((0.0, 0.0, 0.25), 0.02, 0.04, growth)})
+            lines = np.unique(np.round(mesh.places[:, 0], 9))
+            steps = np.diff(lines[lines > 0.06 - 1e-9])
+            grown = steps[:-1] < 0.4  # the longest of all are 1 m
+            assert (steps[1:] / steps[:-1])[grown].mean() == pytest.approx(growth, rel=0.06)
+            counts.append(len(lines))
+        assert counts[0] > counts[1] > counts[2]
+        default = box((8.0, 0.5, 0.5), 1.0, near={"spot": ((0.0, 0.0, 0.25), 0.02, 0.04)})
+        assert len(np.unique(np.round(default.places[:, 0], 9))) == counts[1]
+
     def test_faces_of_a_place_stay_on_its_side(self):
         mesh = box((1.0, 1.0, 0.1), 0.1, near={"spot": ((0.1, 0.2, 0.05), 0.02, 0.3)})
         assert (mesh.places[mesh.faces["spot"], 2] == 0.05).all()
@@ -269,6 +283,9 @@ REFUSED = {
     r"near\['c'\]: finest: nan": lambda: ball(1.0, 0.1, near={"c": ((0, 0, 1), math.nan)}),
     r"near\['c'\]: radius: 0.01": lambda: ball(1.0, 0.1, near={"c": ((0, 0, 1), 0.02, 0.01)}),
     r"near\['c'\]: radius: 0.05 m was given, and no face": lambda: ball(1.0, 0.1, near={"c": ((0, 0, 1), 0.05, 0.05)}),
+    r"near\['c'\]: growth: 1.0 was": lambda: ball(1.0, 0.1, near={"c": ((0, 0, 1), 0.02, 0.1, 1.0)}),
+    r"near\['c'\]: growth: 4.0 was": lambda: ball(1.0, 0.1, near={"c": ((0, 0, 1), 0.02, 0.1, 4.0)}),
+    r"near\['c'\]: growth: 'fast' ": lambda: ball(1.0, 0.1, near={"c": ((0, 0, 1), 0.02, 0.1, "fast")}),
     r"near\['c'\]: radius: inf": lambda: ball(1.0, 0.1, near={"c": ((0, 0, 1), 0.02, math.inf)}),
 }
 
