@@ -28,7 +28,7 @@ from lcpflex.statics.stiffness_columns import lay_contacts, stiffness_columns
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
 
-__all__ = ["Balance", "Configuration"]
+__all__ = ["Balance", "Configuration", "Push"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,10 +55,19 @@ class Configuration:
         return len(self.gap)
 
 
+@dataclass(slots=True, eq=False)
+class Push:
+    """A coordinate that is driven: by ``way`` [m] or [rad] along ``row`` (ndof,) from the configuration ``start``."""
+
+    row: FloatArray
+    start: FloatArray
+    way: float
+
+
 class Balance:
     """Forces and rows of a compiled scene at a ``time`` [s]. ``table`` holds what :meth:`look` found last.
 
-    ``push``: a row (ndof,) and the value that it is driven to, beside the joints and as their last row; None for none.
+    ``push``: what is driven beside the joints, as their last row; None for nothing.
     """
 
     def __init__(self, compiled: CompiledScene, time: float = 0.0) -> None:
@@ -69,7 +78,7 @@ class Balance:
         self._still = np.zeros(len(compiled.u))
         self._work = self._system.workspace(16)
         self.n_contacts = 0
-        self.push: tuple[FloatArray, float] | None = None
+        self.push: Push | None = None
 
     @property
     def work(self) -> Workspace:
@@ -104,6 +113,18 @@ class Balance:
             found = WITH_EDGE[self._work.rows.table.kind[: self.n_contacts]]
         return found
 
+    def pushed_to(self, q: FloatArray) -> None:
+        """Count what is left of the push from q (nq,) on: of a turn in space no more than half of one can be told."""
+        if self.push is not None and is_spatial(self.model):
+            left = -self._off(self.push, q)
+            self.push.start, self.push.way = q.copy(), left
+
+    def _off(self, push: Push, q: FloatArray) -> float:
+        """How far q is off the end of a push."""
+        if is_spatial(self.model):
+            return float(push.row @ self.difference(q, push.start)) - push.way
+        return float(push.row @ q - (float(push.row @ push.start) + push.way))
+
     def look(self, q: FloatArray, margin: float) -> Configuration:
         """Forces and rows at q (nq,), with all contacts whose gap is ``margin`` [m] at most."""
         while (found := int(detect(self.model, q, margin, self._work.rows.table))) > len(self._work.rows.table.key):
@@ -125,8 +146,8 @@ class Balance:
             np.add.at(rows, (each, columns[:, side]), work.rows.J[:total, side])
         rows, phi = rows[:, :-1].copy(), work.scratch.residual.copy()
         if self.push is not None:
-            rows = np.insert(rows, n_joint, self.push[0], axis=0)
-            phi = np.append(phi, self.push[0] @ q - self.push[1])
+            rows = np.insert(rows, n_joint, self.push.row, axis=0)
+            phi = np.append(phi, self._off(self.push, q))
         return Configuration(
             q=q.copy(),
             force=work.free.total.copy(),
@@ -144,7 +165,7 @@ class Balance:
         pushed = np.zeros(len(self._still))
         if self.push is not None:
             n_joint = len(self._work.scratch.residual)
-            pushed, p = p[n_joint] * self.push[0], np.delete(p, n_joint)
+            pushed, p = p[n_joint] * self.push.row, np.delete(p, n_joint)
         columns = self._columns(len(p))
         parts = (self._work.rows.J[: len(p)] * p[:, None, None]).ravel()
         held = np.bincount(columns.ravel(), weights=parts, minlength=len(pushed) + 1)[:-1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,13 +14,16 @@ from lcpflex.basics.progress import Progress
 from lcpflex.basics.stopwatch import budgeted
 from lcpflex.errors import ModelError, SolverError, in_range
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model.planar import N_RIGID
+from lcpflex.model.layout import PLANE, dimension
 from lcpflex.results.result import Result
-from lcpflex.scene.planar_only import refuse_space
 from lcpflex.scene.scene import Scene
+from lcpflex.statics.balance import Push
 from lcpflex.statics.equilibrium import Problem, come_to_rest, stated
 from lcpflex.statics.path import Path
 from lcpflex.statics.rest import Rest
+
+if TYPE_CHECKING:
+    from lcpflex.scene.spatial.scene import SpatialScene
 
 __all__ = ["equilibria"]
 
@@ -34,7 +38,7 @@ DONE = 1e-6  # of the size: a push is at its end
 
 
 def equilibria(
-    scene: Scene,
+    scene: Scene | SpatialScene,
     *,
     initial: Result | Rest | None = None,
     farthest: float | None = None,
@@ -47,9 +51,10 @@ def equilibria(
 ) -> tuple[Rest, ...]:
     """List places where ``scene`` rests: that of :func:`lcpflex.equilibrium`, and those found from it by pushing.
 
-    From each place that is found every body is pushed slowly along x and y and turned, both ways, with contacts and
-    joints holding all the while, and let go behind each place where it no longer resists; where there is friction, at
-    some places of the way as well. What is found then is pushed in turn. A push ends at the first new place.
+    From each place that is found every body is pushed slowly along x and y and turned, in space along x, y and z and
+    turned about its own axes, both ways, with contacts and joints holding all the while, and let go behind each place
+    where it no longer resists; where there is friction, at some places of the way as well. What is found then is pushed
+    in turn. A push ends at the first new place.
 
     Places that only friction or a neutral direction tells from each other are one, as those of a ball on a floor: they
     have the same closed contacts, and agree in all that such a direction does not move.
@@ -92,9 +97,9 @@ def equilibria(
 
     Notes
     -----
-    Six pushes a body and place, each of ten steps a length of the smallest body: seconds for a few bodies.
+    Six pushes a body and place, twelve in space, each of ten steps a length of the smallest body: seconds for a few
+    bodies.
     """
-    refuse_space("equilibria", scene)
     with budgeted(in_range("budget", budget, 0.0, math.inf, open_ends=True)) as allowed:
         problem, path = stated(scene, initial, farthest, time, allowed)
         chosen = _bodies(problem, bodies)
@@ -163,17 +168,17 @@ def _pushes(problem: Problem, rest: Rest, bodies: list[int], reach: float | None
     """A row (ndof,) and how far it is driven, of all pushes of bodies that joints leave free."""
     balance, scales = problem.balance, problem.scales
     at = balance.look(rest.q.copy(), 0.0)
-    joints = at.rows[: at.n_joint] / scales.arm
+    joints, numbers = at.rows[: at.n_joint] / scales.arm, dimension(balance.model.bodies)
     for b in bodies:
         length = FAR * float(scales.extent[b]) if reach is None else reach
-        for i in range(N_RIGID):
-            row = np.zeros(len(rest.q))
+        for i in range(numbers.rigid):
+            row = np.zeros(len(scales.arm))
             row[int(balance.model.bodies.dof[b]) + i] = 1.0
             own = row / scales.arm / np.linalg.norm(row / scales.arm)
             held = np.linalg.lstsq(joints.T, own, rcond=None)[0] @ joints if len(joints) else 0.0 * own
             if np.linalg.norm(own - held) > FREE:
                 for sign in (1.0, -1.0):
-                    yield row, sign * (length if i < 2 else TURN)
+                    yield row, sign * (length if i < numbers.components else TURN)
 
 
 def _behind(problem: Problem, rest: Rest, row: FloatArray, way: float, known: list[Rest]) -> Rest | None:
@@ -191,7 +196,7 @@ def _behind(problem: Problem, rest: Rest, row: FloatArray, way: float, known: li
 def _let_go(problem: Problem, rest: Rest, row: FloatArray, way: float) -> Iterator[FloatArray]:
     """Configurations on a push at which the scene is let go; the push goes on behind each."""
     balance, scales = problem.balance, problem.scales
-    push = row, float(row @ rest.q) + way
+    push = Push(row, rest.q.copy(), way)
     rough = bool((balance.model.contacts.friction > 0.0).any())
     left = [abs(way) * (1.0 - share) for share in (SHARES if rough else ())]
     balance.push = push
@@ -202,6 +207,7 @@ def _let_go(problem: Problem, rest: Rest, row: FloatArray, way: float) -> Iterat
             if not path.advance(problem.budget):
                 break
             here = path.station
+            balance.pushed_to(here.at.q)
             off = abs(float(here.at.phi[-1]))
             resists = math.copysign(1.0, way) * float(here.p[here.at.n_joint - 1]) > RESISTS * here.scale
             passed = bool(left) and off <= left[0]
@@ -222,10 +228,11 @@ def _let_go(problem: Problem, rest: Rest, row: FloatArray, way: float) -> Iterat
 
 def _same(problem: Problem, one: Rest, other: Rest) -> bool:
     """Whether two places of rest are one, but for what friction or a neutral direction leaves open."""
-    scales, dof = problem.scales, problem.balance.model.bodies.dof
-    apart = one.q - other.q
-    turns = dof[:-1] + 2
-    apart[turns] -= 2.0 * math.pi * np.round(apart[turns] / (2.0 * math.pi))
+    scales, balance = problem.scales, problem.balance
+    apart = balance.difference(one.q, other.q)
+    if dimension(balance.model.bodies) is PLANE:  # where angles count whole turns
+        turns = balance.model.bodies.dof[:-1] + 2
+        apart[turns] -= 2.0 * math.pi * np.round(apart[turns] / (2.0 * math.pi))
     far = np.abs(apart) * scales.arm > SAME * scales.size
     if one.trace.closed != other.trace.closed:
         return not far.any()

@@ -55,17 +55,6 @@ def test_states_that_are_none_are_refused() -> None:
         compiled.at(u=np.zeros(7))
 
 
-@pytest.mark.parametrize(
-    ("ask", "what"),
-    [
-        (lf.equilibria, "equilibria"),
-    ],
-)
-def test_what_is_made_for_the_plane_says_so(ask, what: str) -> None:  # type: ignore[no-untyped-def]
-    with pytest.raises(ModelError, match=f"scene: a spatial scene was given, and {what} is planar so far"):
-        ask(thrown("box"))
-
-
 def test_a_study_of_work_and_precision_sees_a_spatial_motion() -> None:
     study = lf.studies.work_precision(
         lambda: thrown("box"), {"MJ": [lf.MoreauJean(1e-2), lf.MoreauJean(5e-3)]}, duration=0.2,
