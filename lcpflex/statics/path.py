@@ -135,6 +135,13 @@ class Path:
         self._slip.add(here.at, dq, p, moved)
         self.station = self._station(self.balance.moved(here.at.q, dq), known, here.travelled + moved, dq)
 
+    def slip(self, at: Configuration) -> FloatArray:
+        """(m,) slip of the tangents of ``at`` since the place of rest that the path begins at [m]; 0 of any other path.
+
+        ``at`` was looked at last, and is near the station.
+        """
+        return self._slip.there(at, self.balance.difference(at.q, self.station.at.q))
+
     def back(self) -> None:
         """Look at the contacts of the last station again, after others have been looked at."""
         self.balance.look(self.station.at.q, 2.0 * self.longest)

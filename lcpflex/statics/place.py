@@ -15,7 +15,8 @@ from lcpflex.statics.path import Path
 from lcpflex.statics.refinement import CLOSED, refined
 from lcpflex.statics.rest import ContactAtRest, JointAtRest, Rest, Trace
 from lcpflex.statics.scales import Scales, acting_on
-from lcpflex.statics.shared_forces import SharedForces, shared_forces
+from lcpflex.statics.shared_forces import SharedForces
+from lcpflex.statics.slid_forces import forces_after_slip
 from lcpflex.statics.stability import stability_of
 from lcpflex.statics.tangent import tangent_stiffness
 from lcpflex.statics.words import what_moves
@@ -40,8 +41,8 @@ def rest_at(compiled: CompiledScene, balance: Balance, scales: Scales, path: Pat
     unit = np.ones(len(at.rows))
     unit[: at.n_joint][ANGULAR[balance.model.joints.kind]] = compiled.size
     bodies = np.diff(balance.model.bodies.dof)
-    forces = shared_forces(
-        at, scales, closed, unit, scale, lambda p: np.repeat(acting_on(balance, scales, at, p), bodies)
+    forces = forces_after_slip(
+        at, path.slip(at), scales, closed, unit, scale, lambda p: np.repeat(acting_on(balance, scales, at, p), bodies)
     )
     if forces is None:
         return None

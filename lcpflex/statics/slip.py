@@ -45,6 +45,12 @@ class Slip:
             found[j : j + at.d] = self._balance.tangents(k) @ slip
         return found
 
+    def there(self, at: Configuration, dq: FloatArray) -> FloatArray:
+        """(m,) s of the tangents of ``at``, which was looked at last, behind a last small step dq (ndof,) [m]."""
+        if not self._counted:
+            return np.zeros(len(at.tangent))
+        return self.so_far(at) + at.rows[at.n_joint + at.n_contacts :] @ dq
+
     def add(self, at: Configuration, dq: FloatArray, p: FloatArray, moved: float) -> None:
         """A step dq (ndof,) from ``at``, which was looked at last, with the multipliers p and the length ``moved`` [m].
 

@@ -153,6 +153,41 @@ def test_a_force_that_follows() -> None:
     assert path.work[-1] == pytest.approx(10.0 * turned[-1] ** 2, rel=1e-3)  # by trapezoids
 
 
+def test_a_drive_bears_the_friction_of_its_way() -> None:
+    """A block that it pushes over a floor: balance leaves friction open, the way there does not."""
+    scene = lf.Scene()
+    block = scene.add(lf.Box(0.2, 0.1, mass=2.0), "block", position=(0.0, 0.05))
+    scene.contact(block.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.4, name="floor")
+    place = scene.ground.at(0.0, 0.05)
+    scene.join(lf.DrivenDisplacement(block.point("center"), place, 0.0, (1.0, 0.0), name="push"))
+    path = lf.path(scene, "push", [0.0, 0.01, 0.02, 0.01], progress=False)
+    assert path.force is not None
+    limit = 0.4 * 2.0 * 9.81
+    assert path.force == pytest.approx([0.0, limit, limit, -limit], abs=1e-9)
+    assert path.contact("floor").state == (
+        "stick",
+        "slip",
+        "slip",
+        "stick",
+        "slip",
+    )  # at 0.02 it stands the second time
+    assert path.rests[1].joint("push").unique
+
+
+def test_friction_of_the_way_in_space() -> None:
+    """Likewise, across: along the way, and none of it aside."""
+    scene = lf.SpatialScene()
+    block = scene.add(lf.Cuboid(0.2, 0.1, 0.1, mass=2.0), "block", position=(0.0, 0.0, 0.05))
+    scene.contact(block.surface(), scene.ground.plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)), friction=0.4, name="floor")
+    place, way = scene.ground.at(0.0, 0.0, 0.05), np.array([0.6, 0.8, 0.0])
+    scene.join(lf.DrivenDisplacement(block.point("center"), place, 0.0, way, name="push"))
+    path = lf.path(scene, "push", [0.0, 0.01, 0.02, 0.01], progress=False)
+    limit = 0.4 * 2.0 * 9.81
+    assert path.force == pytest.approx([0.0, limit, limit, -limit], abs=1e-9)
+    assert path.contact("floor").tangential[1:3] == pytest.approx(np.tile(-limit * way, (2, 1)), abs=1e-9)
+    assert path.work[-1] == pytest.approx(0.015 * limit, rel=1e-6)  # by trapezoids from 0 and through 0
+
+
 def test_each_rest_knows_where_the_drive_was() -> None:
     """Its own scene: a run that begins at one and a picture of it are of that load."""
     path = lf.path(sliding(), "pull", [0.0, 2.0, 6.0], progress=False)
