@@ -9,12 +9,13 @@ from lcpflex.studies.stability_maps.admissible_accelerations import Count, admis
 
 if TYPE_CHECKING:
     from lcpflex.scene.scene import Scene
+    from lcpflex.scene.spatial.scene import SpatialScene
     from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["acceleration_level"]
 
 
-def acceleration_level(scene: Scene | UserSystem) -> Verdict:
+def acceleration_level(scene: Scene | SpatialScene | UserSystem) -> Verdict:
     """Whether the scene has one motion from its start (sound), none, or several (not unique).
 
     A method of :func:`stability`, for maps of Painleve's paradoxes over friction and angle. Raises what

@@ -5,12 +5,13 @@
     lambda_T = -mu lambda_N sign(gdot_T) where gdot_T != 0, else in -mu lambda_N Sign(gddot_T)
 
 The problem of :mod:`lcpflex.dynamics.acceleration` is solved by trying every set of contact states, so that what is
-not found does not exist. Sources: Pfeiffer & Glocker 1996 (index sets); Painleve 1895.
+not found does not exist. In space :mod:`lcpflex.studies.stability_maps.spatial_accelerations` finds the directions of
+slip besides. Sources: Pfeiffer & Glocker 1996 (index sets); Painleve 1895.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
@@ -38,8 +39,8 @@ from lcpflex.dynamics.islands import one_island
 from lcpflex.dynamics.joint_response import joint_impulses
 from lcpflex.errors import ModelError, SolverError, in_range, shown
 from lcpflex.jit.dispatch import link
-from lcpflex.scene.planar_only import refuse_space
-from lcpflex.scene.scene import Scene
+from lcpflex.model.layout import is_spatial
+from lcpflex.scene.register import Register
 from lcpflex.scene.user_system import UserSystem
 from lcpflex.solvers.contact.algebra import PLANAR
 from lcpflex.solvers.contact.compiled import row_forces
@@ -49,11 +50,14 @@ from lcpflex.solvers.problem import Lcp, Status
 from lcpflex.steppers.event_driven.memory import copy_entry
 
 if TYPE_CHECKING:
+    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.dynamics.workspace import Workspace
     from lcpflex.jit.kernel import FloatArray
+    from lcpflex.scene.scene import Scene
+    from lcpflex.scene.spatial.scene import SpatialScene
     from lcpflex.steppers.system import System
 
-__all__ = ["AdmissibleMotion", "AdmissibleMotions", "ContactFate", "Count", "admissible_accelerations"]
+__all__ = ["STILL", "AdmissibleMotion", "AdmissibleMotions", "ContactFate", "Count", "admissible_accelerations", "told"]
 
 SAME = 1e-8  # relative distance of two motions
 STILL = 1e-9  # of the largest free acceleration: slower separation or slip is none
@@ -74,17 +78,21 @@ class ContactFate(StrEnum):
     STICKS = "sticks"
     SLIDES_FORTH = "slides forth"
     SLIDES_BACK = "slides back"
+    SLIDES = "slides"
     TOUCHES = "touches without friction"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AdmissibleMotion:
-    """One solution. n contacts that touch without approaching, in the order of ``AdmissibleMotions.contacts``."""
+    """One solution. n contacts that touch without approaching, in the order of ``AdmissibleMotions.contacts``.
+
+    In space (n, 3): along the normal, t1 and t2.
+    """
 
     force: FloatArray  # (n, 2) lambda_N, lambda_T [N]
     contact_acceleration: FloatArray  # (n, 2) gddot_N, gddot_T [m/s^2]; gddot_T is NaN without friction
     acceleration: FloatArray  # (ndof,) udot
-    fate: tuple[ContactFate, ...]  # forth: along t = -J n, gdot_T > 0
+    fate: tuple[ContactFate, ...]  # forth: along t = -J n, gdot_T > 0; in space it slides, back and forth are one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,16 +109,19 @@ class AdmissibleMotions:
         Every solution found; of a continuum, two ends. Redundant contacts have several for one motion.
     forces_unique
         Whether there is one solution only.
+    tangents
+        (n, 2, 3) t1 and t2 of each contact in space, world axes; None in the plane.
     """
 
     count: Count
     contacts: tuple[str, ...]
     solutions: tuple[AdmissibleMotion, ...]
     forces_unique: bool
+    tangents: FloatArray | None = None
 
 
 def admissible_accelerations(
-    scene: Scene | UserSystem,
+    scene: Scene | SpatialScene | UserSystem,
     q: npt.ArrayLike | None = None,
     u: npt.ArrayLike | None = None,
     *,
@@ -123,9 +134,11 @@ def admissible_accelerations(
     Parameters
     ----------
     scene
-        A :class:`Scene` or :class:`UserSystem`.
+        A :class:`Scene`, :class:`SpatialScene` or :class:`UserSystem`. In space all motions are listed where one of the
+        contacts that touch may stick, at most: sliding ones have their direction, that of one that begins to slip is
+        found, those of several together are not, which is refused.
     q, u
-        Configuration and velocity (ndof,); those of the start if omitted.
+        Configuration (nq,) and velocity (ndof,); those of the start if omitted.
     time
         Of the state [s], for loads and drives.
     gap_tolerance
@@ -137,15 +150,26 @@ def admissible_accelerations(
     ------
     ModelError
         For arguments of wrong sizes, a contact that approaches faster than the threshold (an impact comes first), and
-        more contacts than all sets can be tried of (16 unknowns: one each, two more where it may stick).
+        more contacts than all sets can be tried of (16 unknowns: one each, two more where it may stick; in space 11
+        contacts where one may stick). And in space for several contacts that may stick.
     SolverError
         If neither a solution nor its absence could be shown.
     """
     gap_tolerance = in_range("gap_tolerance", gap_tolerance, 0.0, np.inf)
     threshold = in_range("velocity_threshold", velocity_threshold, 0.0, np.inf, open_ends=True)
-    system = _system(scene)
+    source = scene if isinstance(scene, UserSystem) else _compiled(scene)
+    system = source.system()
+    if isinstance(source, UserSystem) and is_spatial(system.model):
+        raise ModelError(
+            "scene: a UserSystem whose contacts slide in planes was given, expected lines, or a SpatialScene"
+        )
     state_q, state_u = _state("q", q, system.q), _state("u", u, system.u)
-    instant = _Instant(system, in_range("time", time, -np.inf, np.inf), state_q, state_u)
+    time = in_range("time", time, -np.inf, np.inf)
+    if not isinstance(source, UserSystem) and source.spatial:
+        from lcpflex.studies.stability_maps.spatial_accelerations import spatial_motions  # planar scenes do without
+
+        return spatial_motions(source, state_q, state_u, time, gap_tolerance, threshold)
+    instant = _Instant(system, time, state_q, state_u)
     instant.gather(gap_tolerance, threshold)
     problem = instant.pose(threshold)
     if problem.size > LARGEST:
@@ -160,13 +184,30 @@ def admissible_accelerations(
         if solution.status not in (Status.NO_SOLUTION, Status.INFEASIBLE):
             raise SolverError(f"the contact problem was left undecided: {solution.message}", solution)
         return AdmissibleMotions(Count.NONE, instant.contacts, (), False)
-    found = [instant.motion(z) for z in solution.solutions or (solution.z,)]
+    return told(instant.contacts, [instant.motion(z) for z in solution.solutions or (solution.z,)], instant.free)
+
+
+def told(
+    contacts: tuple[str, ...], found: Sequence[AdmissibleMotion], free: FloatArray, tangents: FloatArray | None = None
+) -> AdmissibleMotions:
+    """The motions that were found, each once.
+
+    free: (ndof,) acceleration without contact forces. Two motions are one where they differ by rounding: at rest, what
+    is left of either is rounding of ``free``.
+    """
     motions: list[AdmissibleMotion] = []
+    size = float(np.abs(free).max(initial=0.0))
+
+    def alike(a: AdmissibleMotion, b: AdmissibleMotion) -> bool:
+        return _same(a.acceleration, b.acceleration, size)
+
     for one in found:  # of a contact without force, any slip of the LCP's unknowns is the same solution
-        if not any(_same(one.force, other.force) and instant.alike(one, other) for other in motions):
+        if not any(_same(one.force, other.force) and alike(one, other) for other in motions):
             motions.append(one)
-    count = Count.UNIQUE if all(instant.alike(motions[0], other) for other in motions[1:]) else Count.SEVERAL
-    return AdmissibleMotions(count, instant.contacts, tuple(motions), len(motions) == 1)
+    if not motions:
+        return AdmissibleMotions(Count.NONE, contacts, (), False, tangents)
+    count = Count.UNIQUE if all(alike(motions[0], other) for other in motions[1:]) else Count.SEVERAL
+    return AdmissibleMotions(count, contacts, tuple(motions), len(motions) == 1, tangents)
 
 
 def _same(a: FloatArray, b: FloatArray, least: float = 0.0) -> bool:
@@ -175,13 +216,11 @@ def _same(a: FloatArray, b: FloatArray, least: float = 0.0) -> bool:
     return bool(np.abs(a - b).max(initial=0.0) <= SAME * size)
 
 
-def _system(scene: Scene | UserSystem) -> System:
-    if isinstance(scene, UserSystem):
-        return scene.system()
-    refuse_space("admissible_accelerations", scene)
-    if not isinstance(scene, Scene):
-        raise ModelError(f"scene: {shown(scene)} was given, expected a Scene or a UserSystem")
-    return scene.compiled().system()
+def _compiled(scene: Any) -> CompiledScene:
+    if not isinstance(scene, Register):
+        raise ModelError(f"scene: {shown(scene)} was given, expected a Scene, a SpatialScene or a UserSystem")
+    compiled: CompiledScene = scene.compiled()  # type: ignore[attr-defined]
+    return compiled
 
 
 def _state(name: str, given: npt.ArrayLike | None, start: FloatArray) -> FloatArray:
@@ -250,9 +289,10 @@ class _Instant:
         pose_island(work, 0, PLANAR)
         return posed_lcp(work.posed.problem, work.impulses.solver)
 
-    def alike(self, a: AdmissibleMotion, b: AdmissibleMotion) -> bool:
-        """Whether two motions are one: at rest, what is left of either is rounding of the motion without forces."""
-        return _same(a.acceleration, b.acceleration, float(np.abs(self._free).max(initial=0.0)))
+    @property
+    def free(self) -> FloatArray:
+        """(ndof,) acceleration without contact forces."""
+        return self._free
 
     def motion(self, z: FloatArray) -> AdmissibleMotion:
         """The motion that belongs to a solution z of the LCP."""
