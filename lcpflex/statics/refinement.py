@@ -1,5 +1,8 @@
 """The last steps to a place of rest: Newton's method with the contacts as they are on the path.
 
+Where contacts share friction in many ways, as those of a box on a floor, some are at their limit in the forces that a
+solver found, against each other: those that could be within it stick.
+
 With C = [J; W_N; W_T] of closed normals and sticking tangents, B the same with W_N + W_T lambda_T / lambda_N where a
 contact slips, and K the tangent stiffness,
 
@@ -20,12 +23,14 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.statics.balance import Balance, Configuration
 from lcpflex.statics.path import Path
 from lcpflex.statics.scales import Scales
+from lcpflex.statics.shared_forces import could_stick
 from lcpflex.statics.tangent import tangent_stiffness
 
 __all__ = ["Sets", "coordinate_units", "refined", "sets_of"]
 
 BoolArray: TypeAlias = NDArray[np.bool_]
 
+SLIPPED = 1e-9  # of the size: a shorter slip has no direction
 PRESSED = 1e-9  # of the largest force: smaller normal forces are none
 INSIDE = 1e-7  # of the limit of friction: what is nearer slips
 CUT = 1e-9  # of the largest singular value
@@ -88,12 +93,16 @@ def refined(balance: Balance, scales: Scales, path: Path) -> FloatArray | None:
     limit = (at.friction * normal)[at.tangent]
     size = np.repeat(np.hypot.reduce(tangential.reshape(-1, at.d), axis=1), at.d)
     sticks = size < (1.0 - INSIDE) * limit
+    if at.d == 2 and not sticks[pressed[at.tangent]].all():
+        sticks |= could_stick(at, scales, pressed, p / here.scale)
     ratio = tangential / np.where(size > 0.0, size, 1.0) * at.friction[at.tangent]
+    sliding = Sliding(scales, path, ~sticks)
     best, best_left, before = at.q, np.inf, np.inf
     near, near_left = at.q, np.inf  # balanced, with gaps that are closed as far as they count
     q, K = at.q, None
     for _ in range(TURNS):
         at = balance.again(q)
+        ratio, turning = sliding.at(at, p, ratio)
         sets = sets_of(at, pressed, ratio, sticks)
         if balance.crossing().any():
             p = p + _missing(sets, at, scales, p)
@@ -113,11 +122,38 @@ def refined(balance: Balance, scales: Scales, path: Path) -> FloatArray | None:
         if K is None or left > FAST * before:
             K = tangent_stiffness(balance, scales, q, p)
         before = left
-        dq, p = _newton(K, sets, at, coordinate_units(K, scales, here.scale))
+        dq, p = _newton(K + turning, sets, at, coordinate_units(K, scales, here.scale))
         q = balance.moved(q, dq)
         if not scales.moved(balance.difference(q, here.at.q)) <= path.longest:
             break
     return best if best_left <= EXACT else near if near_left <= CLOSED else None
+
+
+class Sliding:
+    """Friction in space of contacts that slide from a place of rest: against their whole way from there, which turns.
+
+    -mu lambda_N s / |s| of a slip s, and its tangent mu lambda_N (I - s s^T / s^2) / |s| for moves across the way. In
+    the plane, and where no slip is counted, friction stays along where it is.
+    """
+
+    def __init__(self, scales: Scales, path: Path, slides: BoolArray) -> None:
+        self._path, self._least = path, SLIPPED * scales.size
+        self._slides = slides if path.station.at.d == 2 and path.slip(path.station.at).any() else np.zeros(0, bool)
+
+    def at(self, at: Configuration, p: FloatArray, ratio: FloatArray) -> tuple[FloatArray, FloatArray | float]:
+        """The ratios (m,) of tangential to normal force, and what is added to the stiffness (ndof, ndof)."""
+        if not self._slides.any():
+            return ratio, 0.0
+        tangents = at.rows[at.n_joint + at.n_contacts :]
+        whole = self._path.slip(at).reshape(-1, 2)
+        size = np.hypot(whole[:, 0], whole[:, 1])
+        turned, added = ratio.reshape(-1, 2).copy(), np.zeros((tangents.shape[1],) * 2)
+        for e in np.flatnonzero(self._slides[::2] & (size > self._least)):
+            k, way, rows = at.tangent[2 * e], whole[e] / size[e], tangents[2 * e : 2 * e + 2]
+            turned[e] = -at.friction[k] * way
+            limit = at.friction[k] * max(float(p[at.n_joint + k]), 0.0)
+            added += limit / size[e] * rows.T @ (np.eye(2) - np.outer(way, way)) @ rows
+        return turned.ravel(), added
 
 
 def _missing(sets: Sets, at: Configuration, scales: Scales, p: FloatArray) -> FloatArray:

@@ -30,7 +30,7 @@ from lcpflex.statics.balance import Configuration
 from lcpflex.statics.cone_programs import Cones, ends_in_cones, margins_in_cones, shortest_in_cones
 from lcpflex.statics.scales import Scales
 
-__all__ = ["SharedForces", "shared_forces"]
+__all__ = ["SharedForces", "could_stick", "shared_forces"]
 
 CUT = 1e-10  # of the largest singular value of E: forces without an effect
 BALANCED = 1e-9  # of the largest force: what may be left
@@ -110,6 +110,20 @@ def shared_forces(
     else:
         sticks[rubbing] = np.repeat(inside[len(inside) - len(rubbing) // 2 :], 2)
     return SharedForces(p, unique, pressed, sticks)
+
+
+def could_stick(at: Configuration, scales: Scales, pressed: NDArray[np.bool_], p: FloatArray) -> NDArray[np.bool_]:
+    """(m,) which tangents of ``pressed`` (n,) contacts are within the cone for some forces of the same effect as p.
+
+    p (rows,): multipliers, of the largest force.
+    """
+    chosen = np.concatenate([np.ones(at.n_joint, bool), pressed, pressed[at.tangent]])
+    _, sizes, V = np.linalg.svd((at.rows[chosen] / scales.arm).T)
+    rank = int((sizes > CUT * sizes[0]).sum())
+    inside = _inside(p[chosen], V[rank:].T, _cones(at, chosen))
+    sticks, rubbing = np.zeros(len(at.tangent), bool), np.flatnonzero(pressed[at.tangent])
+    sticks[rubbing] = np.repeat(inside[len(inside) - len(rubbing) // 2 :], 2)
+    return sticks
 
 
 def _lighter(rows: FloatArray, on: FloatArray) -> FloatArray:

@@ -316,3 +316,70 @@ def test_a_run_stays_there(scene: Callable[[], lf.SpatialScene]) -> None:
     result = lf.simulate(made, 5.0, lf.MoreauJean(step=2e-3), initial=rest)
     assert result.complete
     assert np.abs(result.q - rest.q).max() < 1e-9
+
+
+def test_a_block_is_pulled_about_a_floor() -> None:
+    """By a spring of 500 N/m behind a slider that goes round corners: the block follows it once the spring pulls with
+    mu W, towards where the slider is, as far as that is the limit again: implicit Euler of Coulomb's law."""
+    places = np.array([(0, 0), (12, 0), (30, 0), (30, 20), (20, 50), (20, 49), (-30, 20)]) * 1e-3
+    times = np.arange(float(len(places)))
+    scene = lf.SpatialScene(gravity=DOWN)
+    block = scene.add(lf.Cuboid(0.4, 0.4, 0.2, mass=2.0), "block", position=(0.0, 0.0, 0.1))
+    slider = scene.add(lf.Cuboid(0.1, 0.1, 0.1, mass=1.0), "slider", position=(0.0, 0.0, 0.1))
+    place, hand = scene.ground.at(0.0, 0.0, 0.1), slider.point("center")
+    scene.join(lf.Planar(hand, place, axis=UP, name="table"))
+    scene.load(lf.TorsionSpring(hand, place, stiffness=1.0, axis=UP))
+    for name, axis, values in (("x", (1.0, 0.0, 0.0), places[:, 0]), ("y", (0.0, 1.0, 0.0), places[:, 1])):
+        scene.join(lf.DrivenDisplacement(hand, place, lf.Table(times, values), axis, name=name))
+    scene.load(lf.Bushing(hand, block.point("center"), stiffness=(500.0, 500.0, 0.0)))
+    scene.contact(block.surface(), scene.ground.plane((0.0, 0.0, 0.0), UP), friction=0.4, name="floor")
+    limit, at, rest = 0.4 * 2.0 * G, np.zeros(2), None
+    for time, goal in zip(times, places, strict=True):
+        away = goal - at
+        pull = 500.0 * float(np.hypot(*away))
+        at = goal - away * min(1.0, limit / pull) if pull > 0.0 else at
+        rest = lf.equilibrium(scene, initial=rest, time=float(time))
+        assert rest.q[:2] == pytest.approx(at, abs=1e-9)
+        assert rest.contact("floor").on("block")[:2] == pytest.approx(-500.0 * (goal - at), abs=EXACT * 2.0 * G)
+        assert rest.contact("floor").state == ("slip" if pull > limit else "stick")
+
+
+@pytest.mark.parametrize(("share", "buckles"), [(0.05, False), (0.5, False), (1.1, True)])
+def test_a_column_that_buckles_is_unstable(share: float, buckles: bool) -> None:
+    """Pressed by a share of pi^2 E I / 4 l^2, which its bending does not feel."""
+    made = beam()
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    placed = scene.add(made, "column", position=(0.5, 0.0, 0.0), modes=8)
+    scene.join(lf.Weld(placed.point("left"), scene.ground.at(0.0, 0.0, 0.0), name="root"))
+    critical = math.pi**2 * 2.1e11 * made.second_moments[0] / 4.0
+    scene.load(lf.Force(placed.point("right"), (-share * critical, 0.0, 0.0)))
+    rest = lf.equilibrium(scene)
+    assert rest.stable is not buckles
+    assert any("the load at which it buckles" in text for text in rest.unstable) is buckles
+    assert any("the load at which it buckles" in text for text in rest.warnings) is (share == 0.5)
+
+
+def test_an_event_driven_run_stays_there() -> None:
+    for made in (tripod(0.3, 0.4), stack(0.0, 0.4, 0.0), jaws(0.3, 3)):
+        rest = lf.equilibrium(made)
+        result = lf.simulate(made, 1.0, lf.EventDriven(), initial=rest)
+        assert result.complete
+        assert np.abs(result.q - rest.q).max() < 1e-9
+
+
+def test_order_of_bodies_and_of_contacts_does_not_matter() -> None:
+    """A heap of four balls, declared both ways."""
+    heights = []
+    for order in ((0, 1, 2, 3), (3, 1, 0, 2)):
+        scene = lf.SpatialScene(gravity=DOWN)
+        places = [(0.0, 0.0, 0.05), (0.102, 0.0, 0.05), (0.051, 0.09, 0.05), (0.051, 0.03, 0.14)]
+        balls = {k: scene.add(lf.Sphere(0.05, mass=1.0), f"ball {k}", position=places[k]) for k in order}
+        floor = scene.ground.plane((0.0, 0.0, 0.0), UP)
+        for k in order[:: 1 if order[0] else -1]:
+            scene.contact(balls[k].surface(), floor, friction=0.5, name=f"floor {k}")
+        scene.contact_all(friction=0.5)
+        rest = lf.equilibrium(scene)
+        heights.append(rest.point("ball 3", "center"))
+        assert sum(rest.contact(f"floor {k}").normal.sum() for k in order) == pytest.approx(4.0 * G, rel=EXACT)
+        assert rest.stable
+    assert heights[0] == pytest.approx(heights[1], abs=1e-7)
