@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from lcpflex.results.outside_values import without_functions
     from lcpflex.results.paraview import to_vtkhdf
     from lcpflex.results.plot import draw
-    from lcpflex.results.section_forces import body_of_result, mean_step, section_forces
+    from lcpflex.results.sections import sections
     from lcpflex.results.state_at import state_at
     from lcpflex.results.stress_history import stress_history
     from lcpflex.results.summary import summary

@@ -22,7 +22,8 @@ from lcpflex.results.energy_balance import Energies
 from lcpflex.results.instant import Instant
 from lcpflex.results.joint_reaction import joint_reaction
 from lcpflex.results.orientation import body_angle
-from lcpflex.results.section_forces import body_of_result, mean_step, section_forces
+from lcpflex.results.section_forces import body_of_result
+from lcpflex.results.sections import sections
 from lcpflex.results.stress_history import stress_history
 from lcpflex.scene.sensors.forces import (
     Contact,
@@ -196,20 +197,23 @@ def _section_columns(sensor: Section) -> Columns:
 
 
 def _section(sensor: Section, window: Window) -> Any:
-    found = section_forces(window.result, str(sensor.body), sensor.x, np.array(window.rows), window.step)
+    found: Any = sections(window.result, str(sensor.body), sensor.x, sensor.normal, np.array(window.rows), window.step)
     return np.column_stack([found.N, found.V, found.M])
 
 
 def _spatial_section_columns(sensor: SpatialSection) -> Columns:
-    return Columns(("N", "V_y", "V_z", "T", "M_y", "M_z", "unique"), (*["N"] * 3, *["N m"] * 3, ""))
+    units = (*["N"] * 3, *["N m"] * 3, "")
+    if sensor.normal is None:
+        return Columns(("N", "V_y", "V_z", "T", "M_y", "M_z", "unique"), units)
+    force, moment = (tuple(f"{what} {axis}" for axis in AXES) for what in ("force", "moment"))
+    return Columns((*force, *moment, "unique"), units)
 
 
 def _spatial_section(sensor: SpatialSection, window: Window) -> Any:
-    from lcpflex.results.spatial.section_forces import spatial_section_forces
-
-    compiled, b = body_of_result(window.result, sensor.body, "section")
-    step = mean_step(window.result, window.step)
-    found = spatial_section_forces(window.result, compiled, b, sensor.x, step, np.array(window.rows))
+    rows = np.array(window.rows)
+    found: Any = sections(window.result, sensor.body, sensor.x, sensor.normal, rows, window.step)
+    if hasattr(found, "middle"):  # of a solid
+        return np.column_stack([found.force, found.moment, found.unique])
     return np.column_stack([found.N, found.V_y, found.V_z, found.T, found.M_y, found.M_z, found.unique])
 
 

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from lcpflex.results.run_choice import RunChoice as RunChoice
     from lcpflex.results.section_forces import SectionForces as SectionForces
     from lcpflex.results.spatial.section_forces import SpatialSectionForces
+    from lcpflex.results.spatial.solid_sections import SolidSectionForces
     from lcpflex.results.state_at import StateAt as StateAt
     from lcpflex.results.stress_history import Stress as Stress, StressHistory as StressHistory
     from lcpflex.results.verdict import Verdict as Verdict
@@ -197,22 +198,21 @@ class Result(NamesNearest):
         """
         return later.momentum_of(self, body)
 
-    def section(self, body: str, x: npt.ArrayLike | None = None) -> SectionForces | SpatialSectionForces:
-        """Section forces of a beam or bar over the stored instants: see :class:`SectionForces`.
+    def section(
+        self, body: str, x: npt.ArrayLike | None = None, *, normal: npt.ArrayLike | None = None
+    ) -> SectionForces | SpatialSectionForces | SolidSectionForces:
+        """Section forces of a beam, bar or solid over the stored instants: see :class:`SectionForces`.
 
-        Of a spatial beam, N, V_y, V_z, T, M_y and M_z: see
-        :class:`lcpflex.results.spatial.section_forces.SpatialSectionForces`.
+        Of a spatial beam :class:`lcpflex.results.spatial.section_forces.SpatialSectionForces`, of a reduced solid force
+        and moment over a plane, :class:`lcpflex.results.spatial.solid_sections.SolidSectionForces`.
 
         body: its name. x: place of the section along the undeformed axis [m], or several, of a spatial beam from
-        -length / 2 to length / 2; None for all nodes. Raises ModelError for another body, a place off the axis, and a
-        loaded result of a scene with Python functions of time.
+        -length / 2 to length / 2; None for all nodes. Of a solid the plane is normal . r = x, in the frame of the body:
+        through a point P with x = normal . P. normal: of a solid, its direction, from the part before to the part
+        beyond; (1, 0, 0) if omitted. Raises ModelError for another body, a place off the axis, a plane beside the
+        solid, and a loaded result of a scene with Python functions of time.
         """
-        compiled, b = later.body_of_result(self, body, "section")
-        if compiled.spatial:
-            from lcpflex.results.spatial.section_forces import spatial_section_forces
-
-            return spatial_section_forces(self, compiled, b, x, later.mean_step(self))
-        return later.section_forces(self, body, x)
+        return later.sections(self, body, x, normal)
 
     def at(self, t: float, before: bool = False) -> StateAt:
         """State q, u, contact and joint forces at any time t [s] of the run: see :class:`StateAt`.

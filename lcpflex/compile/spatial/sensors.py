@@ -49,7 +49,7 @@ def compiled_spatial_sensor(name: str, sensor: Sensor, bodies: SpatialBodies, la
     if isinstance(sensor, Contact):
         return SpatialContact(sensor.contact, sensor.every, name)
     if isinstance(sensor, Section):
-        return SpatialSection(body_name(sensor), sensor.x, sensor.every, name)
+        return SpatialSection(body_name(sensor), sensor.x, sensor.every, name, sensor.normal)
     if isinstance(sensor, Stress):
         return replace(sensor, body=body_name(sensor), name=name)
     named: Any = sensor

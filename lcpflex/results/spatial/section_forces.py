@@ -110,8 +110,8 @@ def spatial_section_forces(
     line, name = compiled.recovery[b] if compiled.recovery else None, compiled.layout.bodies[b]
     if not isinstance(line, SpatialLineShapes):
         raise ModelError(
-            f"body: {shown(name)} was given, expected a SpatialBeam: other bodies have no sections (a file keeps no "
-            "beam with more than 2e6 numbers of its modes)"
+            f"body: {shown(name)} was given, expected a SpatialBeam or a body with modes of a Solid: others have no "
+            "sections (a file keeps none with more than 2e6 numbers of its modes)"
         )
     places = _sections(line, x)
     chosen = np.arange(len(result.times)) if records is None else records

@@ -78,21 +78,26 @@ class Section:
     """Section forces N, V [N] and M [N m] of a beam or bar at x [m], as :class:`lcpflex.results.result.SectionForces`.
 
     In a spatial scene N, V_y, V_z, T, M_y and M_z, and whether the motion determines them, as
-    :class:`lcpflex.results.spatial.section_forces.SpatialSectionForces`. They are computed in Python, in about a
-    millisecond a measurement. body: a Beam, Bar or SpatialBeam, or its name. x: along its axis [m]. every: time between
-    measurements [s], see :meth:`lcpflex.Scene.sensor`. name: of the sensor. Raises ModelError for another body, or a
-    place off its axis.
+    :class:`lcpflex.results.spatial.section_forces.SpatialSectionForces`; of a reduced solid as
+    :class:`lcpflex.results.spatial.solid_sections.SolidSectionForces`, with a normal as force and moment x, y, z. They
+    are computed in Python, in about a millisecond a measurement. body: a Beam, Bar, SpatialBeam or body of a Solid, or
+    its name. x: along its axis, of a solid normal . r in the plane of the section [m]. every: time between measurements
+    [s], see :meth:`lcpflex.Scene.sensor`. name: of the sensor. normal: of a section of a solid, (1, 0, 0) if omitted.
+    Raises ModelError for another body, a place off its axis, or a plane beside it.
     """
 
     body: PlacedBody | str
     x: float
     every: float | None = None
     name: str = ""
+    normal: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
         check_sensor(self)
         keep_body(self)
         keep_number(self, "x", -math.inf, math.inf, label="Section: x")
+        if self.normal is not None:
+            object.__setattr__(self, "normal", tuple(array_of("Section: normal", self.normal, (3,)).tolist()))
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +108,7 @@ class SpatialSection:
     x: float
     every: float | None
     name: str
+    normal: tuple[float, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
