@@ -146,8 +146,9 @@ class _Request:
 
     def level(self, scene: Any) -> Level:
         """The scene, compiled."""
-        resting = self._project or isinstance(self._initial, Rest)
-        source = compiled_for(scene, self._stepper, resting, self._project and self._initial is None)
+        resting = isinstance(self._initial, Rest)
+        push = None if resting else self._project and self._initial is None
+        source = compiled_for(scene, self._stepper, self._project or resting, push)
         if self._initial is not None:
             source, self.notes = started_from(source, self._initial, self._stepper)
         count = len(np.asarray(source.u))

@@ -43,12 +43,13 @@ def compiled_scene(
     indents: Callable[[str], bool] | None,
     gives_way: bool,
     listed: bool = False,
-    push: bool = False,
+    push: bool | None = False,
 ) -> CompiledScene:
     """The scene with its bodies reduced, as arrays. Raises ModelError for a start that cannot be.
 
     ``listed``: every pair that a rule is for is a declared contact, be they ever so many; so it is where ``indents``
-    asks for each. ``push``: contacts that penetrate are pushed out.
+    asks for each. ``push``: contacts that penetrate are pushed out; None: they may, as the
+    scene begins elsewhere.
     """
     listed = listed or indents is not None
     reduced, said = reduced_scene(scene, gives_way, listed)
@@ -65,7 +66,7 @@ def compiled_parts(
     project: bool,
     indents: Callable[[str], bool] | None,
     listed: bool = False,
-    push: bool = False,
+    push: bool | None = False,
 ) -> CompiledScene:
     """A scene of reduced bodies as arrays; ``materials``: what points of the scene as it was declared mean in it."""
     placed, joints, loads, contacts, rules, surfaces, sensors = parts
@@ -113,7 +114,7 @@ def compiled_parts(
     if joints:
         q, u, misfits = consistent_start(model, joints, q, u, external, size, project)
     notes: tuple[str, ...] = ()
-    if declared or rule:
+    if (declared or rule) and push is not None:
         hard = {name for name, contact in declared.items() if contact.law is None and not (indents and indents(name))}
         q, u, notes = start_apart(model, layout, hard, q, u, external, size, push)
     laws = tuple(c.law for c in declared.values())

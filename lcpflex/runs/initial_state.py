@@ -9,6 +9,7 @@ import numpy as np
 
 from lcpflex.basics.alarm import Alarm
 from lcpflex.compile.compiled_scene import CompiledScene
+from lcpflex.compile.consistency import start_apart
 from lcpflex.dynamics.start import violation
 from lcpflex.errors import ModelError, shown
 from lcpflex.model.coordinates import ANGULAR
@@ -63,6 +64,8 @@ def started_from(
         )
     if isinstance(source, CompiledScene):
         _refuse_off_joints(source, q)
+        if isinstance(initial, Rest):
+            _refuse_overlap(source, q, u)
         q.setflags(write=False)
         u.setflags(write=False)
     notes = _notes_at_rest(initial) if isinstance(initial, Rest) else _notes(source, initial, stepper)
@@ -101,6 +104,16 @@ def _refuse_off_joints(source: CompiledScene, q: FloatArray) -> None:
             f"initial: its state is off the joint {name!r} by {off[worst]:.4g} {'rad' if angle else 'm'} at t = 0, "
             "expected one that fulfils the joints: drives begin at their value at t = 0, whatever was before"
         )
+
+
+def _refuse_overlap(source: CompiledScene, q: FloatArray, u: FloatArray) -> None:
+    """Raise ModelError where bodies penetrate each other there: the start of the scene itself may be anywhere."""
+    hard = {name for name, law in zip(source.layout.contacts, source.laws, strict=True) if law is None}
+    external = np.zeros((source.n_external, 3))
+    try:
+        start_apart(source.model, source.layout, hard, q, u, external, source.size, False)
+    except ModelError as error:
+        raise ModelError(f"initial: at this place of rest {error}") from error
 
 
 def _coordinates(source: Any, count: int | None = None) -> tuple[tuple[str, int], ...]:

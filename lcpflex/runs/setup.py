@@ -103,9 +103,12 @@ class Setup:
 
 
 def compiled_for(
-    scene: Scene | SpatialScene | UserSystem, stepper: Stepper, project: bool, push: bool = False
+    scene: Scene | SpatialScene | UserSystem, stepper: Stepper, project: bool, push: bool | None = False
 ) -> CompiledScene | UserSystem:
-    """``scene`` compiled for ``stepper``, what penetrates pushed out with ``push``; a user's own system as it is."""
+    """``scene`` compiled for ``stepper``, what penetrates pushed out with ``push``; a user's own system as it is.
+
+    ``push`` None: nobody looks at what penetrates, as the run begins elsewhere.
+    """
     if isinstance(scene, UserSystem):
         return scene
     if not isinstance(scene, Scene):

@@ -173,7 +173,8 @@ def simulate(
     )
     verify = checked_verify(verify)
     with expecting(kind_of_run(scene, stepper)):
-        source = compiled_for(scene, stepper, project or isinstance(initial, Rest), project and initial is None)
+        resting = isinstance(initial, Rest)
+        source = compiled_for(scene, stepper, project or resting, None if resting else project and initial is None)
         choice = None
         if wish is not None:
             choice = wish.choice(source if initial is None else started_from(source, initial, stepper)[0])

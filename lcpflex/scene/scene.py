@@ -334,13 +334,14 @@ class Scene(Register):
         project: bool = False,
         indents: Callable[[str], bool] | None = None,
         gives_way: bool = False,
-        push: bool = False,
+        push: bool | None = False,
     ) -> CompiledScene:
         """:meth:`compile` without a word: its warnings are those of the result.
 
         ``gives_way``: bodies that are reduced here give way by modes of their own at every contact.
 
-        project, indents: as in :meth:`compile`; push: whether contacts that penetrate are pushed out, too.
+        project, indents: as in :meth:`compile`; push: whether contacts that penetrate are pushed out, too;
+        None: they may, as the scene begins elsewhere.
         """
         return compiling.compiled_scene(self, project, indents, gives_way, push=push)
 

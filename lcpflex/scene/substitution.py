@@ -81,8 +81,10 @@ def settled(scene: AnyScene) -> AnyScene:
     return scene
 
 
-def remade(scene: AnyScene, bodies: Sequence[tuple[Any, Start]]) -> AnyScene:
+def remade(scene: AnyScene, bodies: Sequence[tuple[Any, Start]], joints: Mapping[str, Any] | None = None) -> AnyScene:
     """The scene with these bodies and initial states in the order of its own; for orders, bodies are reduced later.
+
+    joints: by their names, in the place of those of the scene, with its points.
 
     The state of an order is that of the body before it is reduced, without modal coordinates.
     """
@@ -94,7 +96,8 @@ def remade(scene: AnyScene, bodies: Sequence[tuple[Any, Start]]) -> AnyScene:
             new._put(placed.name, body, start, None)
         else:
             new._put(placed.name, placed.source, start, body)
-    _Again(new).declare(parts)
+    every: dict[str, Any] = {**parts.joints, **(joints or {})}
+    _Again(new).declare(parts._replace(joints=every))
     made: AnyScene = new
     return made
 

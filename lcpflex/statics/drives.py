@@ -21,6 +21,9 @@ from lcpflex.model.arrays import Signals, frozen
 from lcpflex.model.coordinates import ANGULAR
 from lcpflex.results.joint_reaction import joint_reaction
 from lcpflex.scene.loads.effort import Effort
+from lcpflex.scene.register import Register
+from lcpflex.scene.substitution import one_with, remade
+from lcpflex.statics.balance import Balance
 from lcpflex.statics.rests_as_result import rests_as_result
 
 if TYPE_CHECKING:
@@ -29,9 +32,10 @@ if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.statics.rest import Rest
 
-__all__ = ["Drive", "drive_of"]
+__all__ = ["Drive", "begun", "drive_of"]
 
 UNITS = ("m", "N"), ("rad", "N m")  # of travel and force: along, and about something
+THERE = 1e-9  # of the size, or rad: a drive so near to where the bodies stand is there
 
 
 class Drive(Protocol):
@@ -71,6 +75,30 @@ def drive_of(scene: Any, compiled: CompiledScene, name: Any, time: float) -> Dri
     if name in driven:
         return _of_joint(compiled, name)
     return _of_load(compiled, [load.name for load in loads].index(name), loads, time)
+
+
+def begun(scene: Any, name: Any) -> Any:
+    """The scene with a drive where its bodies stand; itself where they fulfil it, for a load, and for what is none.
+
+    Assembled with a drive elsewhere, a part would be moved into what it is to press on.
+    """
+    if not (isinstance(scene, Register) and isinstance(name, str) and _has_motion(scene, name)):
+        return scene
+    scene = scene.reduced()  # type: ignore[attr-defined]  # of both kinds
+    compiled = scene.compiled(project=True, push=None)
+    drive = _of_joint(compiled, name)
+    row = int(compiled.model.joints.row[compiled.layout.joints.index(name)])
+    q = np.concatenate([placed.start[0] for placed in scene.parts().placed])
+    off = Balance(compiled).look(q, 0.0).phi[row]
+    if abs(off) <= THERE * (compiled.size if drive.units["travel"] == "m" else 1.0):
+        return scene
+    stands = Balance(drive.held(compiled, 0.0)).look(q, 0.0).phi[row]
+    bodies = [one_with(placed, None) for placed in scene.parts().placed]
+    return remade(scene, bodies, {name: replace(scene.parts().joints[name], motion=float(stands))})
+
+
+def _has_motion(scene: Any, name: str) -> bool:
+    return hasattr(scene.parts().joints.get(name), "motion")
 
 
 def _forms(load: Any) -> bool:

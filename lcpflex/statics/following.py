@@ -15,7 +15,7 @@ from lcpflex.basics.progress import Progress
 from lcpflex.basics.stopwatch import Budget, budgeted
 from lcpflex.errors import ModelError, SolverError, in_range, shown
 from lcpflex.results.words import with_unit
-from lcpflex.statics.drives import Drive, drive_of
+from lcpflex.statics.drives import Drive, begun, drive_of
 from lcpflex.statics.equilibrium import Problem, come_to_rest, compiled_at_rest, stated_of
 from lcpflex.statics.equilibrium_path import EquilibriumPath, Jump
 from lcpflex.statics.jumps import Moved, Snap, snap_between, suspected
@@ -58,7 +58,9 @@ def path(
         have the same bodies, contacts and joints.
     drive
         Name of a drive (:class:`lcpflex.DrivenDisplacement`, :class:`lcpflex.DrivenAngle`) or of a load
-        (:class:`lcpflex.Force`, :class:`lcpflex.Torque`); None where ``scene`` is a function.
+        (:class:`lcpflex.Force`, :class:`lcpflex.Torque`); None where ``scene`` is a function. The path begins with the
+        drive where the bodies of the scene stand, wherever its motion begins: with a motion that begins at the last of
+        the values, ``simulate(scene, ..., initial=path[-1])`` starts from there.
     values
         (n,) its values in their order. Of a drive those of its motion [m] or [rad]; of a load its size [N] or [N m]
         along the direction that it has in the scene, in the plane the torque itself.
@@ -109,6 +111,7 @@ class _OfDrive:
     """Compiled scenes with a drive or load at a value."""
 
     def __init__(self, scene: Any, name: Any, time: float) -> None:
+        scene = begun(scene, name)
         self._compiled = compiled_at_rest(scene)
         self.drive: Drive | None = drive_of(scene, self._compiled, name, time)
 

@@ -42,12 +42,13 @@ def compiled_spatial_scene(
     project: bool,
     indents: Callable[[str], bool] | None = None,
     gives_way: bool = False,
-    push: bool = False,
+    push: bool | None = False,
     listed: bool = False,
 ) -> CompiledScene:
     """The scene with its bodies reduced, as arrays. Raises ModelError for a start that cannot be.
 
-    ``indents``: which contacts may indent each other at the start, by their names. ``push``: the others are pushed out.
+    ``indents``: which contacts may indent each other at the start, by their names. ``push``: the others are pushed out;
+    None: all may, as the scene begins elsewhere.
     ``listed``: every pair that a rule is for is a declared contact; so it is where ``indents`` asks for each.
     """
     listed = listed or indents is not None
@@ -100,7 +101,7 @@ def compiled_spatial_scene(
     if parts.joints:
         q, u, misfits = consistent_start(model, parts.joints, q, u, external, size, project)
     notes: tuple[str, ...] = ()
-    if declared or rule:
+    if (declared or rule) and push is not None:
         hard = {name for name, one in declared.items() if one.law is None and not (indents and indents(name))}
         q, u, notes = start_apart(model, layout, hard, q, u, external, size, push)
     flexible = {p.body for p, body in zip(parts.placed, parts.bodies, strict=True) if body.modes}

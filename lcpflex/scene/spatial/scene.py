@@ -326,11 +326,12 @@ class SpatialScene(Register):
         project: bool = False,
         indents: Callable[[str], bool] | None = None,
         gives_way: bool = False,
-        push: bool = False,
+        push: bool | None = False,
     ) -> CompiledScene:
         """:meth:`compile` without a word: its warnings are those of the result.
 
-        project, indents: as in :meth:`compile`. push: whether contacts that penetrate are pushed out, too. gives_way:
+        project, indents: as in :meth:`compile`. push: whether contacts that penetrate are pushed out, too;
+        None: they may, as the scene begins elsewhere. gives_way:
         bodies that are reduced here give way by modes of their own at every contact.
         """
         return compiling.compiled_spatial_scene(self, project, indents, gives_way, push)
