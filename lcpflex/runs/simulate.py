@@ -110,7 +110,8 @@ def simulate(
         Start from the last state of this result, of the same bodies, instead of that of the scene: from its positions
         and velocities alone. Time begins at 0 again; what the stepper remembered beside is not carried over, and the
         notes of the result say what that is. To go on with a run bit for bit, use ``checkpoint``. Or from a place of
-        rest, as :func:`lcpflex.equilibrium` finds it; the joints of the scene are assembled then, as there.
+        rest, as :func:`lcpflex.equilibrium` and :func:`lcpflex.path` find it; the joints of the scene are assembled
+        then, as there, and where its own start is, and what overlaps there, does not matter.
     checkpoint
         A file from which :func:`lcpflex.resume` goes on with this run, bit for bit, after the process was killed: npz,
         never unpickled, always whole. Written at the start, at the end, at Ctrl-C, and in between.

@@ -77,24 +77,24 @@ def drive_of(scene: Any, compiled: CompiledScene, name: Any, time: float) -> Dri
     return _of_load(compiled, [load.name for load in loads].index(name), loads, time)
 
 
-def begun(scene: Any, name: Any) -> Any:
-    """The scene with a drive where its bodies stand; itself where they fulfil it, for a load, and for what is none.
+def begun(scene: Any, name: Any) -> tuple[Any, float | None]:
+    """The scene with a drive where its bodies stand, and its value there; as it is, and None, for all but a drive.
 
     Assembled with a drive elsewhere, a part would be moved into what it is to press on.
     """
     if not (isinstance(scene, Register) and isinstance(name, str) and _has_motion(scene, name)):
-        return scene
+        return scene, None
     scene = scene.reduced()  # type: ignore[attr-defined]  # of both kinds
     compiled = scene.compiled(project=True, push=None)
     drive = _of_joint(compiled, name)
     row = int(compiled.model.joints.row[compiled.layout.joints.index(name)])
     q = np.concatenate([placed.start[0] for placed in scene.parts().placed])
+    stands = float(Balance(drive.held(compiled, 0.0)).look(q, 0.0).phi[row])
     off = Balance(compiled).look(q, 0.0).phi[row]
     if abs(off) <= THERE * (compiled.size if drive.units["travel"] == "m" else 1.0):
-        return scene
-    stands = Balance(drive.held(compiled, 0.0)).look(q, 0.0).phi[row]
+        return scene, stands
     bodies = [one_with(placed, None) for placed in scene.parts().placed]
-    return remade(scene, bodies, {name: replace(scene.parts().joints[name], motion=float(stands))})
+    return remade(scene, bodies, {name: replace(scene.parts().joints[name], motion=stands)}), stands
 
 
 def _has_motion(scene: Any, name: str) -> bool:

@@ -65,7 +65,8 @@ def path(
         (n,) its values in their order. Of a drive those of its motion [m] or [rad]; of a load its size [N] or [N m]
         along the direction that it has in the scene, in the plane the torque itself.
     initial
-        Where the first rest is looked for from, as for :func:`lcpflex.equilibrium`; the start of the scene by default.
+        Where the first rest is looked for from, as for :func:`lcpflex.equilibrium`; by default the start of the scene,
+        and of a drive the rest where it stands there, so that the way to the first value counts.
     time
         Time [s] at which all other loads and drives are taken; by default t = 0, and one of them that moves there is
         an error.
@@ -111,7 +112,7 @@ class _OfDrive:
     """Compiled scenes with a drive or load at a value."""
 
     def __init__(self, scene: Any, name: Any, time: float) -> None:
-        scene = begun(scene, name)
+        scene, self.begins = begun(scene, name)
         self._compiled = compiled_at_rest(scene)
         self.drive: Drive | None = drive_of(scene, self._compiled, name, time)
 
@@ -130,6 +131,7 @@ class _OfScenes:
         self._function = function
         self._alike: tuple[tuple[str, ...], tuple[str, ...]] | None = None
         self.drive: Drive | None = None
+        self.begins: float | None = None
 
     def at(self, value: float) -> CompiledScene:
         """The scene of that value."""
@@ -197,13 +199,23 @@ class _Following:
         """Find the rests; why the path ends before the last value, "" where it does not."""
         for value in values.tolist():
             try:
-                self._rests.append(self._rest(value, self._rests[-1] if self._rests else self._initial))
+                self._rests.append(self._rest(value, self._rests[-1] if self._rests else self._before(value)))
             except (SolverError, KeyboardInterrupt) as error:
                 if not self._rests:
                     raise
                 return self._why(values, value, error)
             bar.update()
         return ""
+
+    def _before(self, first: float) -> Result | Rest | None:
+        """Where the first rest is looked for from: where the drive stands in the scene, so that its way counts."""
+        stands = self._source.begins
+        if self._initial is not None or stands is None or stands == first:
+            return self._initial
+        try:
+            return self._rest(stands, None)
+        except SolverError:
+            return None  # there is none where it stands, and the way begins at the first value
 
     def _rest(self, value: float, before: Result | Rest | None) -> Rest:
         problem, way = stated_of(self._source.at(value), before, self._farthest, self._time, self._budget)

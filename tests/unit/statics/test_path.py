@@ -182,6 +182,43 @@ def test_friction_of_the_way_in_space() -> None:
     assert path.work[-1] == pytest.approx(0.015 * limit, rel=1e-6)  # by trapezoids from 0 and through 0
 
 
+@pytest.mark.parametrize("first", [[], [0.0]])
+def test_the_way_to_the_first_value_counts(first: list[float]) -> None:
+    """Of a drive: the motion of the scene is elsewhere, and the path begins where the bodies stand, at -0.01."""
+    scene = lf.Scene()
+    block = scene.add(lf.Box(0.2, 0.1, mass=2.0), "block", position=(-0.01, 0.05))
+    scene.contact(block.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.4, name="floor")
+    place = scene.ground.at(0.0, 0.05)
+    scene.join(lf.DrivenDisplacement(block.point("center"), place, 0.02, (1.0, 0.0), name="push"))
+    path = lf.path(scene, "push", [*first, 0.01, 0.02], progress=False)
+    assert path.force == pytest.approx(np.full(len(path), 0.4 * 2.0 * 9.81), rel=1e-9)
+    run = lf.simulate(scene, 0.01, lf.MoreauJean(1e-3), initial=path[-1], progress=False)
+    assert np.abs(run.q - run.q[0]).max() < 1e-12
+
+
+def test_a_turning_drive_in_space() -> None:
+    """As in the plane: an arm on a torsion spring about -y; by its angle, from elsewhere, and by a torque."""
+
+    def arm() -> tuple[lf.SpatialScene, Any, Any]:
+        scene = lf.SpatialScene()
+        placed = scene.add(lf.Cuboid(0.4, 0.02, 0.02, mass=1.0), "arm", position=(0.2, 0.0, 0.0))
+        end, place = placed.at(-0.2, 0.0, 0.0), scene.ground.at(0.0, 0.0, 0.0)
+        scene.join(lf.Revolute(end, place, axis=(0.0, -1.0, 0.0), name="hinge"))
+        scene.load(lf.TorsionSpring(end, place, 20.0, axis=(0.0, -1.0, 0.0)))
+        return scene, end, place
+
+    angles = np.linspace(0.0, 0.5, 6)
+    torque = 20.0 * angles + 0.2 * 9.81 * np.cos(angles)
+    driven, end, place = arm()
+    driven.join(lf.DrivenAngle(end, place, 0.4, axis=(0.0, -1.0, 0.0), name="cam"))
+    assert lf.path(driven, "cam", angles, progress=False).force == pytest.approx(torque, rel=1e-9)
+    loaded, end, _ = arm()
+    loaded.load(lf.Torque(end, (0.0, -1.0, 0.0), name="twist"))
+    twist = lf.path(loaded, "twist", torque, progress=False)
+    assert twist.travel == pytest.approx(angles, abs=1e-9)
+    assert twist.joint("hinge").moment.shape == (6, 3)
+
+
 def test_each_rest_knows_where_the_drive_was() -> None:
     """Its own scene: a run that begins at one and a picture of it are of that load."""
     path = lf.path(sliding(), "pull", [0.0, 2.0, 6.0], progress=False)
