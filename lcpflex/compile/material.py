@@ -8,9 +8,10 @@ import numpy as np
 
 from lcpflex.basics.arguments import absent, numbers
 from lcpflex.errors import ModelError, shown
-from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.kinematics.places import material_shapes
 from lcpflex.model.layout import dimension
+from lcpflex.model.recovery import LineShapes, SpatialLineShapes
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
@@ -45,7 +46,8 @@ def material_of(
         handle = "body.node(x, y)" if len(axes) == 2 else "a joint, load or sensor at body.at(x, y, z)"
         raise ModelError(
             f"point: {shown(point)} is neither a named point nor on the outline of the flexible body "
-            f"{shown(body)}; expected one of these ({handle} before the simulation makes a place known)"
+            f"{shown(body)}, nor within a beam; expected one of these ({handle} before the simulation makes a place "
+            "known)"
         )
     return model, b, place, phi
 
@@ -59,14 +61,20 @@ def body_index(compiled: CompiledScene, body: object) -> int:
 
 
 def _shapes_at(compiled: CompiledScene, b: int, place: FloatArray) -> FloatArray | None:
-    """Mode shapes (n, 2) at an undeformed place: of the point that is there, or between two on an outline."""
-    layout, model = compiled.layout, compiled.model
+    """Mode shapes (n, 2) at an undeformed place: of a point that is there, between two on an outline, or of a beam."""
+    model = compiled.model
     size = dimension(model.bodies)
     if model.bodies.dof[b + 1] - model.bodies.dof[b] == size.rigid:
         return np.zeros((0, size.components))
     own = np.flatnonzero(model.points.body == b)
-    if not own.size:
-        return None
+    found = _of_points(compiled, b, own, place) if own.size else None
+    line = compiled.recovery[b] if found is None and compiled.recovery else None
+    return _of_line(line, place) if isinstance(line, LineShapes | SpatialLineShapes) else found
+
+
+def _of_points(compiled: CompiledScene, b: int, own: IntArray, place: FloatArray) -> FloatArray | None:
+    """Of one of the points ``own`` of body b, or between two on its outline."""
+    layout, model = compiled.layout, compiled.model
     near = 1e-9 * float(np.ptp(model.points.place[own], axis=0).max())
     distance = np.linalg.norm(model.points.place[own] - place, axis=1)
     if distance.min() <= near:
@@ -85,3 +93,24 @@ def _shapes_at(compiled: CompiledScene, b: int, place: FloatArray) -> FloatArray
                 phi = material_shapes(model, ends[k])
                 return np.asarray((1.0 - s[k]) * phi[0] + s[k] * phi[1])
     return None
+
+
+def _of_line(line: LineShapes | SpatialLineShapes, place: FloatArray) -> FloatArray | None:
+    """(n, 2), in space (n, 3), of what a section of a beam or bar carries rigidly; None beyond its ends."""
+    first = 0.0 if isinstance(line, LineShapes) else -0.5 * line.length
+    slack = 1e-9 * line.length
+    if not first - slack <= place[0] <= first + line.length + slack:
+        return None
+    x = np.clip(place[:1], first, first + line.length)
+    if isinstance(line, SpatialLineShapes):
+        from lcpflex.bodies.spatial.beam_elements import shapes_on_axis
+
+        move, turn = shapes_on_axis(line.shapes, line.length, line.shear, x)
+        return np.asarray(move[0].T + np.cross(turn[0].T, [0.0, place[1], place[2]]))
+    if abs(place[1]) > 0.5 * line.height + slack:
+        return None
+    from lcpflex.bodies.fem.line_elements import LineModes, interpolate
+
+    modes = LineModes(np.zeros(0), line.stretch, line.deflection, line.rotation)
+    stretch, deflection, slope = interpolate(modes, line.length / (len(line.stretch) - 1), x)
+    return np.column_stack([stretch[0] - place[1] * slope[0], deflection[0]])

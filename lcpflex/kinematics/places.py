@@ -12,7 +12,16 @@ from lcpflex.model.arrays import Model
 from lcpflex.model.layout import SPACE, dimension
 from lcpflex.model.planar import N_RIGID
 
-__all__ = ["material_shapes", "modal_sum", "trajectory", "turned", "velocity", "velocity_rows", "world_places"]
+__all__ = [
+    "deflection",
+    "material_shapes",
+    "modal_sum",
+    "trajectory",
+    "turned",
+    "velocity",
+    "velocity_rows",
+    "world_places",
+]
 
 
 def turned(angle: FloatArray, s: FloatArray) -> FloatArray:
@@ -30,6 +39,13 @@ def trajectory(model: Any, q: FloatArray, b: int, place: FloatArray, phi: FloatA
     d = int(model.bodies.dof[b])
     s = place + modal_sum(q[..., d + N_RIGID : d + N_RIGID + phi.shape[-2]], phi)
     return q[..., d : d + 2] + turned(q[..., d + 2], s)
+
+
+def deflection(model: Any, q: FloatArray, b: int, phi: FloatArray) -> FloatArray:
+    """Phi q of material points of body b in its frame: q (..., nq), phi (..., n, 2); in space 3 for 2."""
+    size, bodies = dimension(model.bodies), model.bodies
+    first = int((bodies.place if size is SPACE else bodies.dof)[b]) + size.places
+    return modal_sum(q[..., first : first + phi.shape[-2]], phi)
 
 
 def velocity(model: Any, q: FloatArray, u: FloatArray, b: int, place: FloatArray, phi: FloatArray) -> FloatArray:

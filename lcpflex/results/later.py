@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from lcpflex.results.charts import plot
     from lcpflex.results.film import animate
     from lcpflex.results.joint_reaction import joint_reaction
+    from lcpflex.results.material_points import deflection_of, place_of, velocity_of
     from lcpflex.results.modal_coordinates import modal_coordinates
     from lcpflex.results.momentum import momentum_of
     from lcpflex.results.orientation import body_angle, body_orientation, body_spin

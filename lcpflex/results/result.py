@@ -11,11 +11,10 @@ from lcpflex.basics.attributes import NamesNearest
 from lcpflex.basics.lazy import attach
 from lcpflex.basics.renamed import GONE, renamed_property
 from lcpflex.compile.coordinates import coordinate_names, velocity_names
-from lcpflex.compile.material import body_index, material_of
+from lcpflex.compile.material import body_index
 from lcpflex.errors import ModelError
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.kinematics.places import trajectory, velocity
 from lcpflex.model.arrays import OPEN, SLIP, STICK
 from lcpflex.results import later
 from lcpflex.results.contact_history import ContactHistory, ContactPoints, Event, StateArray
@@ -239,20 +238,21 @@ class Result(NamesNearest):
         """Trajectory r_P = R + A (x + Phi q) of a material point, (m, 2) or, in space, (m, 3) [m], world axes.
 
         ``point`` is the name of a point or its undeformed place (x, y) or (x, y, z) [m] in the frame of the body:
-        anywhere on a rigid body, on the outline or at a named point of a flexible one. Raises ModelError where there is
-        none.
+        anywhere on a rigid body and in a beam or bar, on the outline or at a named point of another flexible one.
+        On an outline it is on the straight lines that touch. Raises ModelError where there is none.
         """
-        model, b, place, phi = material_of(self.compiled, body, point)
-        return trajectory(model, self.q, b, place, phi)
+        return later.place_of(self.compiled, self.q, body, point)
 
     def velocity(self, body: str, point: str | tuple[float, ...]) -> FloatArray:
-        """Velocity rdot_P = Rdot + A (Phi qdot + omega J s) of a material point, (m, 2) [m/s], world axes; in space
-        v + A (Phi etadot + omega x s), (m, 3).
+        """Velocity Rdot + A (Phi qdot + omega J s) of a point, (m, 2) [m/s]; in space v + A (Phi etadot + omega x s).
 
-        body: its name. point: as in :meth:`point`.
+        body: its name. point: as in :meth:`point`. (m, 3) in space, world axes.
         """
-        model, b, place, phi = material_of(self.compiled, body, point)
-        return velocity(model, self.q, self.u, b, place, phi)
+        return later.velocity_of(self.compiled, self.q, self.u, body, point)
+
+    def deflection(self, body: str, point: str | tuple[float, ...]) -> FloatArray:
+        """Displacement Phi q, (m, 2) or (m, 3) [m], body axes. body: its name. point: as in :meth:`point`."""
+        return later.deflection_of(self.compiled, self.q, body, point)
 
     def verify(
         self, scene: Any = None, stepper: Any = None, *, other: bool = True, progress: bool | None = None

@@ -10,7 +10,7 @@ nothing is told. In space the same is done in coordinates about the first of the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,12 +20,14 @@ from lcpflex.basics.attributes import NamesNearest
 from lcpflex.errors import ModelError, in_range
 from lcpflex.model.arrays import OPEN
 from lcpflex.model.planar import N_RIGID
+from lcpflex.results.material_points import deflection_of, place_of, velocity_of
 from lcpflex.results.polynomials import hermite, lagrange
 from lcpflex.results.stored_instants import DENSE, at_events, each_step, impulse_noise, tells_of_steps
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.jit.kernel import FloatArray, IntArray
     from lcpflex.results.result import Result
     from lcpflex.results.spatial.chart import SpatialChart
@@ -66,6 +68,19 @@ class StateAt(NamesNearest):
     state: NDArray[np.int8]
     joint_force: FloatArray | None
     how: str
+    _of: CompiledScene | None = field(default=None, repr=False)
+
+    def point(self, body: str, point: str | tuple[float, ...]) -> FloatArray:
+        """Place of a material point, (2,) or (3,) [m], world axes; see :meth:`lcpflex.Result.point`."""
+        return place_of(self._of, self.q, body, point)
+
+    def velocity(self, body: str, point: str | tuple[float, ...]) -> FloatArray:
+        """Velocity of a material point, (2,) or (3,) [m/s], world axes; see :meth:`lcpflex.Result.velocity`."""
+        return np.asarray(velocity_of(self._of, self.q[None], self.u[None], body, point)[0])
+
+    def deflection(self, body: str, point: str | tuple[float, ...]) -> FloatArray:
+        """Displacement of a material point, (2,) or (3,) [m], body axes; see :meth:`lcpflex.Result.deflection`."""
+        return deflection_of(self._of, self.q, body, point)
 
 
 def state_at(result: Result, t: float, before: bool = False) -> StateAt:
@@ -101,6 +116,7 @@ def _stored(result: Result, k: int) -> StateAt:
     return StateAt(
         float(result.times[k]), result.q[k].copy(), result.u[k].copy(), result.force[k].copy(),
         result.state[k].copy(), joints, "stored",
+        result.compiled,
     )  # fmt: skip
 
 
@@ -134,7 +150,7 @@ def _smooth(result: Result, t: float, k: int, rows: slice, how: str) -> StateAt:
     joints = result.joint_force
     if joints is not None:
         joints = joints[k + 1].copy() if tells_of_steps(result) else lagrange(times, joints[rows], t)
-    return StateAt(t, q, u, force, result.state[nearest].copy(), joints, how)
+    return StateAt(t, q, u, force, result.state[nearest].copy(), joints, how, result.compiled)
 
 
 def _in_space(result: Result) -> bool:

@@ -22,7 +22,17 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-__all__ = ["DOFS", "BeamMesh", "bending_shapes", "gauss_points", "gradients", "scattered", "section_fields", "strains"]
+__all__ = [
+    "DOFS",
+    "BeamMesh",
+    "bending_shapes",
+    "gauss_points",
+    "gradients",
+    "scattered",
+    "section_fields",
+    "shapes_on_axis",
+    "strains",
+]
 
 DOFS = 6  # of a node
 GAUSS = 4  # points of an element: exact for products of two cubics, or of one with a place
@@ -92,6 +102,17 @@ def section_fields(mesh: BeamMesh, xi: FloatArray) -> tuple[FloatArray, FloatArr
         columns = [first[across], first[slope], second[across], second[slope]]
         move[:, axis, columns] = v
         turn[:, about, columns] = sign * b / h
+    return move, turn
+
+
+def shapes_on_axis(
+    shapes: FloatArray, length: float, shear: tuple[float, float], x: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Displacement and rotation (k, 3, n) of sections at x (k,) by modes that are known at nodes (nodes, 6, n)."""
+    mesh = BeamMesh(len(shapes) - 1, length, shear)
+    element, xi = mesh.at(x)
+    own = np.concatenate([shapes[element], shapes[element + 1]], axis=1)
+    move, turn = (np.einsum("gik,gkn->gin", field, own) for field in section_fields(mesh, xi))
     return move, turn
 
 

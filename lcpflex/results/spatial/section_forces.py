@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from lcpflex.basics.arguments import numbers
-from lcpflex.bodies.spatial.beam_elements import BeamMesh, section_fields
+from lcpflex.bodies.spatial.beam_elements import shapes_on_axis
 from lcpflex.errors import ModelError, shown
 from lcpflex.kinematics.spatial.frames import matrices, small_rotations
 from lcpflex.model.recovery import SpatialLineShapes
@@ -218,10 +218,4 @@ def _quadrature(line: SpatialLineShapes, x: FloatArray) -> tuple[FloatArray, Flo
 
 
 def _axis(line: SpatialLineShapes, x: FloatArray, mass: FloatArray) -> Axis:
-    mesh = BeamMesh(len(line.shapes) - 1, line.length, (line.shear[0], line.shear[1]))
-    along = (x + 0.5 * line.length) / mesh.h
-    element = np.clip(along.astype(np.int64), 0, mesh.elements - 1)
-    fields = section_fields(mesh, along - element)
-    own = np.concatenate([line.shapes[element], line.shapes[element + 1]], axis=1)
-    move, turn = (np.einsum("gik,gkn->gin", field, own) for field in fields)
-    return Axis(x, mass, move, turn)
+    return Axis(x, mass, *shapes_on_axis(line.shapes, line.length, line.shear, x))
