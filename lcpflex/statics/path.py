@@ -50,6 +50,7 @@ TINY = 1e-3  # of the longest step: a shorter one is made whatever it leaves out
 KEPT = 1e-3  # of the largest force on the path so far: where forces come to nothing, it is what is compared with
 STIFF = 0.9  # of the length before: a step that more damping leaves longer is one that overlaps ask for
 SOLVING = 60.0  # [s] that a contact problem may take
+ENOUGH = 1e-6  # residual that a contact problem of space may have: forces are found anew where the path ends
 UNTOLD = 1e-16  # of the size: displacement of the softest spring or mode whose force is none
 INDEPENDENT = 1e-12  # of the largest eigenvalue: redundant joint rows
 
@@ -206,7 +207,7 @@ class Path:
         factor, free = np.where(known[:, None], factor[order], 0.0), np.where(known, free[order], 0.0)
         cones = SpatialContactProblem(factor @ factor.T, free, at.friction)
         found = self._solver.solve(cones)
-        if not found.solved:
+        if not (found.solved or found.residual <= ENOUGH):
             return None
         forces = np.zeros(at.n_contacts + len(at.tangent))
         forces[order[known]] = cones.forces(found.z).ravel()[known]
