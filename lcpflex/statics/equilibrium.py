@@ -36,7 +36,7 @@ FAR = 20.0  # sizes of the scene: how far a path goes where nothing else is said
 NEAR = 1e-4  # residual from which on the place of rest is looked for by Newton's method
 THERE = 1e-9  # residual at which an unstable place is where the path ends, and is not just passed by
 MOST_STEPS = 4000
-MOST_COORDINATES = 1500  # which take minutes
+MOST_COORDINATES = 4000  # dense matrices of which take minutes
 STILL = 1e-12  # [rad/s], or in sizes of the scene [1/s]: a drive that is slower stands
 
 
@@ -90,15 +90,15 @@ def equilibrium(
     Raises
     ------
     ModelError
-        For what is no Scene, more than 1500 coordinates, a contact with a force law, a drive that moves at t = 0 and no
+        For what is no Scene, more than 4000 coordinates, a contact with a force law, a drive that moves at t = 0 and no
         ``time``, an ``initial`` of other bodies.
     SolverError
         Where the scene does not come to rest: it says what moves, and which way; or not within its budget.
 
     Notes
     -----
-    The path costs 2 ndof evaluations of all forces a step, and dense matrices of that size: 5 s for a mesh of 800
-    coordinates on two supports, minutes for one of 1500. Many contacts cost more: a heap of 30 discs takes 2 s, one
+    The path costs 2 ndof evaluations of forces a step, and dense matrices of that size: 1 s for a mesh of 800
+    coordinates on two supports, 8 s for one of 2000. Many contacts cost more: a heap of 30 discs takes 2 s, one
     of 100 (218 contacts) more than its budget; lay such heaps to rest by a run. ``lcpflex.equilibria`` looks for
     several places, ``lcpflex.path`` follows one while a drive or load goes slowly. In space forces that balance
     leaves open take programs with cones: a tenth of a second for a stack of boxes. A body on which nothing larger

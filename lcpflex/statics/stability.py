@@ -14,11 +14,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import orth
 
 from lcpflex.dynamics.mass_matrix import null_space
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.statics.balance import Configuration
-from lcpflex.statics.refinement import coordinate_units, sets_of
+from lcpflex.statics.refinement import LARGE, coordinate_units, sets_of
 from lcpflex.statics.scales import Scales
 from lcpflex.statics.shared_forces import SharedForces
 
@@ -52,14 +53,20 @@ def stability_of(
     smooth = sets_of(at, forces.pressed, ratio, np.zeros(len(at.tangent), bool))
     c = coordinate_units(K, scales, np.repeat(np.where(on > 0.0, on, 1.0), np.diff(dof)))
     scaled = K * np.outer(c, c)
-    Z, Y = _free(sets.hold, c), _free(sets.push, c)
+    Z = _free(sets.hold, c)
+    Y = Z if np.array_equal(sets.push, sets.hold) else _free(sets.push, c)
     if Y.shape != Z.shape:
         Y = Z
-    reduced = np.linalg.solve(Y.T @ Z, Y.T @ scaled @ Z) if Z.shape[1] else np.zeros((0, 0))
+    within = Y.T @ (scaled @ Z)
+    reduced = within if Y is Z else np.asarray(np.linalg.solve(Y.T @ Z, within), dtype=np.float64)
+    wide = _free(smooth.hold, c)
+    if len(reduced) > LARGE and _resists(reduced, 1.0 if Y is Z else _likeness(sets.hold * c, sets.push * c)):
+        neighbours = wide.shape[1] - Z.shape[1]
+        none = np.zeros((0, len(c)))
+        return Stability(True, none, none, neighbours, wide.T * c if neighbours else none)
     values, vectors = np.linalg.eig(reduced)
     ways = (Z @ vectors.real).T * c
-    wide = _free(smooth.hold, c)
-    sizes = np.linalg.svd(Y.T @ scaled @ wide, compute_uv=False)
+    sizes = np.linalg.svd(Y.T @ (scaled @ wide), compute_uv=False)
     held = int((sizes > NEUTRAL).sum())
     neutral = np.abs(values.real) <= NEUTRAL
     neighbours = max(wide.shape[1] - held - int(neutral.sum()), 0)
@@ -70,6 +77,28 @@ def stability_of(
         neighbours=neighbours,
         family=np.vstack([ways[neutral], wide.T * c]) if neighbours else ways[neutral],
     )
+
+
+def _resists(reduced: FloatArray, likeness: float) -> bool:
+    """Whether it is sure, without its eigenvalues, that ``reduced`` (f, f) resists in all directions.
+
+    Where its symmetric part is above NEUTRAL / sigma, sigma the least singular value of Y^T Z (``likeness``), so are
+    the real parts of its eigenvalues, and singular values of Y^T K Z = Y^T Z reduced are above NEUTRAL: all f
+    directions are held. A factor of Cholesky's tells it in a hundredth of the time.
+    """
+    if not likeness > 0.0:
+        return False
+    try:
+        np.linalg.cholesky(0.5 * (reduced + reduced.T) - NEUTRAL / likeness * np.eye(len(reduced)))
+    except np.linalg.LinAlgError:
+        return False
+    return True
+
+
+def _likeness(hold: FloatArray, push: FloatArray) -> float:
+    """Least cosine between what rows (k, ndof) span and what as many others do: as between what they let pass."""
+    across = orth(push.T).T @ orth(hold.T)
+    return float(np.linalg.svd(across, compute_uv=False).min(initial=1.0))
 
 
 def _free(rows: FloatArray, c: FloatArray) -> FloatArray:
