@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -383,3 +384,67 @@ def test_order_of_bodies_and_of_contacts_does_not_matter() -> None:
         assert sum(rest.contact(f"floor {k}").normal.sum() for k in order) == pytest.approx(4.0 * G, rel=EXACT)
         assert rest.stable
     assert heights[0] == pytest.approx(heights[1], abs=1e-7)
+
+
+@pytest.mark.parametrize("beyond", [-1e-6, 1e-4])
+def test_a_tall_box_tips_where_its_weight_passes_its_edge(beyond: float) -> None:
+    """0.2 x 0.2 x 0.6 m on a slope: at tan = 1/3 all is on the lower edge; beyond it lies down on its side."""
+    slope = math.atan(1.0 / 3.0) + beyond
+    normal = np.array([math.sin(slope), 0.0, math.cos(slope)])
+    scene = lf.SpatialScene(gravity=DOWN)
+    turned = Rotation.from_rotvec([0.0, slope, 0.0])
+    box = scene.add(lf.Cuboid(0.2, 0.2, 0.6, mass=2.0), "box", position=tuple(0.3 * normal), orientation=turned)
+    scene.contact(box.surface(), scene.ground.plane((0.0, 0.0, 0.0), tuple(normal)), friction=0.8, name="slope")
+    rest = lf.equilibrium(scene)
+    contact, weight = rest.contact("slope"), 2.0 * G
+    assert contact.normal.sum() == pytest.approx(weight * math.cos(slope), rel=EXACT)
+    assert contact.on("box") == pytest.approx([0.0, 0.0, weight], abs=EXACT * weight)
+    assert rest.q[:3] @ normal == pytest.approx(0.3 if beyond < 0.0 else 0.1, abs=1e-9)
+    moment = contact.normal @ (contact.place - rest.q[:3]) @ [math.cos(slope), 0.0, -math.sin(slope)]
+    height = float(rest.q[:3] @ normal)
+    assert moment == pytest.approx(weight * height * math.sin(slope), rel=EXACT)
+    assert rest.stable
+
+
+@pytest.mark.parametrize(("size", "mass"), [(1.0, 1.0), (1e3, 1e-3), (1e-3, 1e3), (1e3, 1e6)])
+def test_a_beam_on_two_supports(size: float, mass: float) -> None:
+    """Half the weight at each, 5 q l^4 / 384 E I in the middle, in several units of length and mass."""
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, -G * size))
+    inertia = 0.02**4 / 12.0 * size**4
+    material = (1000.0 * mass / size**3, 2e11 * mass / size, 0.3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", lf.ModelWarning)  # of units
+        made = lf.SpatialBeam(
+            size, 4e-4 * size**2, (inertia, inertia), 1.6 * inertia, *material, shear_factor=None, elements=10
+        )
+        beam = scene.add(made, "beam", position=(0.0, 0.0, 0.02 * size), modes=6)
+    floor = scene.ground.plane((0.0, 0.0, 0.0), UP)
+    for side, x in (("left", -0.5), ("right", 0.5)):
+        foot = beam.sphere((x * size, 0.0, 0.0), 0.01 * size)
+        scene.contact(foot, floor, name=side)
+        for y in (-1.0, 1.0):  # walls beside it, lest it roll
+            scene.contact(foot, scene.ground.plane((0.0, -0.0101 * y * size, 0.0), (0.0, y, 0.0)), name=f"{side} {y}")
+    rest = lf.equilibrium(scene)
+    load = 1000.0 * 4e-4 * G
+    sag = rest.point("beam", "left")[2] - rest.point("beam", "center")[2]
+    assert sag / size == pytest.approx(5.0 * load / (384.0 * 2e11 * 0.02**4 / 12.0), rel=EXACT)
+    for side in ("left", "right"):
+        assert rest.contact(side).normal == pytest.approx([0.5 * load * mass * size], rel=EXACT)
+    assert rest.stable
+
+
+@pytest.mark.parametrize("masses", [(1.0, 1e-6), (1e-6, 1.0)])
+def test_a_feather_and_a_weight(masses: tuple[float, float]) -> None:
+    rest = lf.equilibrium(stack(0.1, 0.4, 0.001, masses))
+    for k, contact in enumerate(rest.contacts):
+        assert contact.normal.sum() == pytest.approx(G * sum(masses[k:]), rel=EXACT)
+    assert rest.stable
+
+
+def test_a_box_that_floats_rests_where_it_is() -> None:
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    scene.add(lf.Cuboid(0.1, 0.1, 0.1, mass=1.0), "box", position=(1.0, 2.0, 3.0))
+    rest = lf.equilibrium(scene)
+    assert rest.q == pytest.approx([1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0])
+    assert rest.stable
+    assert len(rest.neutral) == 6
