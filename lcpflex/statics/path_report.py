@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["path_summary", "path_to_dataframe"]
 
 ROUNDING = 1e-12  # of the largest value: what sums leave of 0
+SHOWN = 10  # contacts
 FEW = 6  # values that a list of them tells
 
 
@@ -30,10 +31,7 @@ def path_summary(path: EquilibriumPath) -> str:
         least, most = (with_unit(float(f), path.units["force"]) for f in (path.force.min(), path.force.max()))
         lines.append(f"force from {least} to {most}")
         lines.append(f"work {with_unit(float(path.work[-1]), 'J')}")
-    for one in path.rests[0].contacts:
-        of = path.contact(one.name)
-        states = ", ".join(f"{state} {count}" for state, count in Counter(of.state).most_common())
-        lines.append(f"contact {one.name!r}: at most {with_unit(float(of.normal.max()), 'N')}; {states}")
+    lines += _contacts(path)
     for jump in path.jumps:
         low, high = (_told(path, value) for value in jump.values)
         lines.append(f"jump between {low} and {high}: {jump.words}, by {with_unit(jump.moved, 'm')}")
@@ -45,6 +43,20 @@ def path_summary(path: EquilibriumPath) -> str:
     if not path.complete:
         lines.append(path.message)
     return "\n".join((*lines, *path.warnings))
+
+
+def _contacts(path: EquilibriumPath) -> list[str]:
+    """What touched, those with the largest forces first."""
+    most = rests_as_result(path.rests).force[:, :, 0].max(axis=0)
+    touched = [k for k in np.argsort(-most, kind="stable").tolist() if any(rest.contacts[k].states for rest in path)]
+    lines = []
+    for k in touched[:SHOWN]:
+        states = Counter(rest.contacts[k].state for rest in path).most_common()
+        told = ", ".join(f"{state} {count}" for state, count in states)
+        lines.append(f"contact {path.rests[0].contacts[k].name!r}: at most {with_unit(float(most[k]), 'N')}; {told}")
+    if len(touched) > SHOWN:
+        lines.append(f"{counted(len(touched) - SHOWN, 'more contact')}")
+    return lines
 
 
 def _told(path: EquilibriumPath, value: float) -> str:

@@ -279,6 +279,23 @@ def test_summary(snapped: lf.EquilibriumPath) -> None:
     assert str(snapped) == snapped.summary()
 
 
+def test_summary_of_many_contacts() -> None:
+    """Of discs in a row on a floor, the heaviest first; pairs that are far are not told."""
+    scene = lf.Scene()
+    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    for k in range(12):
+        disc = scene.add(lf.Disc(0.1, mass=1.0 + k), f"disc {k}", position=(0.3 * k, 0.1))
+        scene.contact(disc.surface(), floor, friction=0.3, name=f"floor {k}")
+    last = scene.body("disc 11")
+    scene.contact(last.surface(), scene.ground.half_plane((9.0, 0.0), (-1.0, 0.0)), name="wall")
+    scene.load(lf.Force(last.point("center"), (0.0, -1.0), name="press"))
+    lines = lf.path(scene, "press", [1.0, 2.0], progress=False).summary().splitlines()
+    told = [line for line in lines if line.startswith("contact")]
+    assert told[0].startswith("contact 'floor 11': at most 119.7 N; ")
+    assert len(told) == 10
+    assert "2 more contacts" in lines
+
+
 def test_ended_by_hand_or_budget(monkeypatch: pytest.MonkeyPatch) -> None:
     """What was found before is kept; before the first rest nothing is."""
     found: list[Any] = []
