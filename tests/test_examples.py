@@ -35,6 +35,7 @@ STUDIES = (
     "slotted_joint_tables",
     "snap_fit",
     "soft_gripper",
+    "solid_slider_crank",
     "strip_pile",
     "two_spheres",
     "velocity_behind_contact",

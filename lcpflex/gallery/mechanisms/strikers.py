@@ -199,11 +199,11 @@ def pendulum_on_hemisphere(
     return scene
 
 
-def graded(extent: float, fine: float, reach: float, coarse: float) -> FloatArray:
-    """Places from 0 to ``extent``: steps ``fine`` up to ``reach``, then growing up to ``coarse``."""
+def graded(extent: float, fine: float, reach: float, coarse: float, growth: float = GROWTH) -> FloatArray:
+    """Places from 0 to ``extent``: steps ``fine`` up to ``reach``, then growing by ``growth`` up to ``coarse``."""
     steps = [fine] * round(reach / fine)
     while sum(steps) < extent:
-        steps.append(min(GROWTH * steps[-1], coarse))
+        steps.append(min(growth * steps[-1], coarse))
     places = np.concatenate([[0.0], np.cumsum(steps)])
     kept = round(reach / fine)
     stretch = (extent - places[kept]) / (places[-1] - places[kept])
