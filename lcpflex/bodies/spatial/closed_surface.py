@@ -10,7 +10,7 @@ from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["FLAT", "SIDES", "check_closed", "is_closed", "passed_edges"]
+__all__ = ["FLAT", "SIDES", "check_closed", "check_turned", "is_closed", "passed_edges"]
 
 FLAT = 1e-12  # of the squared extent: twice the area of a triangle that has no normal
 SIDES = ((0, 1), (1, 2), (2, 0))
@@ -19,8 +19,27 @@ SIDES = ((0, 1), (1, 2), (2, 0))
 def check_closed(name: str, vertices: FloatArray, triangles: IntArray) -> None:
     """Raise ModelError for triangles (T, 3) of vertices (N, 3) that no solid lies behind.
 
-    Each must have an area, each edge belong to two of them that pass it opposite ways, and the volume that they
-    enclose, sum of det(a, b, c) / 6, be positive: counter-clockwise seen from outside.
+    As :func:`check_turned`; and each edge must belong to two of them, and the volume that they enclose, sum of
+    det(a, b, c) / 6, be positive: counter-clockwise seen from outside.
+    """
+    check_turned(name, vertices, triangles)
+    edges, there, back = passed_edges(triangles)
+    lonely = np.flatnonzero(~np.isin(back, there))
+    if len(lonely):
+        _refuse_open(name, vertices, edges[lonely])
+    middle = vertices[triangles.ravel()].mean(axis=0)
+    volume = float(np.linalg.det(vertices[triangles] - middle).sum()) / 6.0
+    if not volume > 0.0:
+        raise ModelError(
+            f"{name}: its triangles enclose {volume:.3g} m^3, expected a positive volume: counter-clockwise seen from "
+            "outside, in a right-handed frame"
+        )
+
+
+def check_turned(name: str, vertices: FloatArray, triangles: IntArray) -> None:
+    """Raise ModelError for triangles (T, 3) of vertices (N, 3) that are no surface, open or closed, with one outside.
+
+    Each must have an area, and each edge belong to two of them at most, that pass it opposite ways.
     """
     corners = vertices[triangles]
     extent = float(np.ptp(vertices[triangles.ravel()], axis=0).max())
@@ -31,20 +50,10 @@ def check_closed(name: str, vertices: FloatArray, triangles: IntArray) -> None:
             f"{name}: triangle {flat[0]} of vertices {triangles[flat[0]].tolist()} has twice the area "
             f"{double[flat[0]]:.3g} m^2, expected one with a normal"
         )
-    edges, there, back = passed_edges(triangles)
-    found, first, count = np.unique(there, return_index=True, return_counts=True)
+    _, there, _ = passed_edges(triangles)
+    _, first, count = np.unique(there, return_index=True, return_counts=True)
     if (count > 1).any():
         _refuse_shared(name, vertices, triangles, int(first[count > 1][0]))
-    lonely = np.flatnonzero(~np.isin(back, found))
-    if len(lonely):
-        _refuse_open(name, vertices, edges[lonely])
-    middle = vertices[triangles.ravel()].mean(axis=0)
-    volume = float(np.linalg.det(corners - middle).sum()) / 6.0
-    if not volume > 0.0:
-        raise ModelError(
-            f"{name}: its triangles enclose {volume:.3g} m^3, expected a positive volume: counter-clockwise seen from "
-            "outside, in a right-handed frame"
-        )
 
 
 def is_closed(triangles: IntArray) -> bool:

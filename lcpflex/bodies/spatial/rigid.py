@@ -25,7 +25,9 @@ from lcpflex.bodies.spatial.triangle_solid import triangle_solid
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 
-__all__ = ["Capsule", "ConvexHull", "Cuboid", "Cylinder", "Polyhedron", "Sphere", "SpatialRigidBody"]
+__all__ = [
+    "Capsule", "ConvexHull", "Cuboid", "Cylinder", "Polyhedron", "Sphere", "SpatialRigidBody", "corners_of",
+]  # fmt: skip
 
 
 def SpatialRigidBody(
@@ -218,11 +220,7 @@ def Polyhedron(
         have no area, or share an edge with more than one other; shells within each other that are no cavities;
         more than a million triangles; anything not positive, or both or none of density and mass.
     """
-    unit = metres(length_unit)
-    is_file = isinstance(surface, (str, os.PathLike))
-    corners, source = read_stl("surface", surface) if is_file else (_corners(surface), "surface")
-    with np.errstate(over="ignore"):  # what is too large then is refused
-        corners = unit * corners
+    corners, source, is_file = corners_of(surface, length_unit)
     solid = triangle_solid(source, corners)
     m = _mass(solid.volume, density, mass)
     if length_unit is None:
@@ -230,6 +228,15 @@ def Polyhedron(
         check_rigid_size(source, solid.extent, width, m / solid.volume, from_file=is_file)
     shape = _surface(solid.vertices, solid.triangles, convex=solid.convex)
     return _rigid(m, m / solid.volume * solid.second, {"center": np.zeros(3)}, shape, origin=solid.centre)
+
+
+def corners_of(surface: Any, length_unit: Any) -> tuple[FloatArray, str, bool]:
+    """(T, 3, 3) corners [m] of triangles of a file or given, what to call them, and whether they are of a file."""
+    unit = metres(length_unit)
+    is_file = isinstance(surface, (str, os.PathLike))
+    corners, source = read_stl("surface", surface) if is_file else (_corners(surface), "surface")
+    with np.errstate(over="ignore"):  # what is too large then is refused
+        return unit * corners, source, is_file
 
 
 def _corners(surface: Any) -> FloatArray:

@@ -45,6 +45,7 @@ __all__ = [
     "carried",
     "cylinder",
     "face",
+    "mesh",
     "passes_of",
     "plane",
     "polyhedron",
@@ -269,6 +270,11 @@ def face(nodes: FaceNodes) -> SpatialSurface:
 def polyhedron(points: tuple[SpatialPoint, ...], triangles: IntArray) -> SpatialSurface:
     """A convex polyhedron of vertices that do not move in their body; ``triangles`` (T, 3) counter-clockwise."""
     return SpatialSurface(SpatialKind.POLYHEDRON, points, triangles=triangles)
+
+
+def mesh(points: tuple[SpatialPoint, ...], triangles: IntArray) -> SpatialSurface:
+    """Triangles (T, 3) of vertices, counter-clockwise seen from outside; they may be open."""
+    return SpatialSurface(SpatialKind.MESH, points, triangles=triangles)
 
 
 def _frame(normal: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

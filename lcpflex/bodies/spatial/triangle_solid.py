@@ -9,12 +9,12 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from lcpflex.basics import libs
-from lcpflex.bodies.spatial.closed_surface import FLAT, SIDES, check_closed, is_closed, passed_edges
+from lcpflex.bodies.spatial.closed_surface import FLAT, SIDES, check_closed, check_turned, is_closed, passed_edges
 from lcpflex.bodies.spatial.hull import Hull, convex_hull, moments_of
 from lcpflex.errors import ModelError, ModelWarning, in_range
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["TriangleSolid", "triangle_solid"]
+__all__ = ["TriangleSolid", "triangle_solid", "triangle_surface"]
 
 EXTENTS = (1e-12, 1e9)  # [m] of solids: whatever the unit was, beyond it numbers are broken
 MERGED = 1e-6  # of the extent, to which files of single precision write places
@@ -84,6 +84,32 @@ def triangle_solid(source: str, corners: FloatArray) -> TriangleSolid:
         extent=extent,
         convex=hull is not None,
     )
+
+
+def triangle_surface(source: str, corners: FloatArray, may_be_open: bool) -> tuple[FloatArray, IntArray, bool]:
+    """Vertices (N, 3), triangles (T, 3), and whether they are a convex solid, of triangles with corners (T, 3, 3).
+
+    Vertices are merged, and surfaces refused, as by :func:`triangle_solid`; open ones where they may not be.
+    """
+    with np.errstate(over="ignore"):
+        extent = float(np.ptp(corners.reshape(-1, 3), axis=0).max())
+    in_range(f"{source}: extent [m]", extent, *EXTENTS)
+    vertices, triangles = _merged(source, corners, extent)
+    check_turned(source, vertices, triangles)
+    if not is_closed(triangles):
+        if may_be_open:
+            return vertices, triangles, False
+        try:
+            check_closed(source, vertices, triangles)
+        except ModelError as error:
+            raise ModelError(f"{error}; is_open=True takes one with a border") from None
+    check_closed(source, vertices, triangles)
+    shells = _shells(triangles)
+    if shells.max() > 0:
+        _check_shells(source, vertices[triangles], shells)
+        return vertices, triangles, False
+    hull = _hull_if_convex((vertices - vertices.mean(axis=0)) / extent, triangles)
+    return (vertices, triangles, False) if hull is None else (vertices[hull.corners], hull.triangles, True)
 
 
 def _merged(source: str, corners: FloatArray, extent: float) -> tuple[FloatArray, IntArray]:

@@ -12,14 +12,16 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.arguments import absent, array_of, positive
+from lcpflex.basics.arguments import absent, array_of, flag, positive
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.bodies.spatial import surface as surfaces
 from lcpflex.bodies.spatial.body import SpatialPoint, rigid_point
 from lcpflex.bodies.spatial.closed_surface import check_closed, is_closed
 from lcpflex.bodies.spatial.hull import block, convex_hull
+from lcpflex.bodies.spatial.rigid import corners_of
 from lcpflex.bodies.spatial.shapes import SurfaceShape
 from lcpflex.bodies.spatial.surface import SpatialKind, SpatialSurface, carried
+from lcpflex.bodies.spatial.triangle_solid import triangle_surface
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.scene.placed_body import PlacedBody
 from lcpflex.scene.placed_surface import PlacedSurface
@@ -41,7 +43,7 @@ _KNOWN_AS = {
     "half_plane": "it is planar; in space plane(point, normal)",
     "circle": "it is planar; in space sphere(center, radius), cylinder(...) or rim(...)",
     "arc": "it is planar; in space cylinder(center, axis, radius, length)",
-    "chain": "it is planar; in space box(...), hull(points), or the mesh of a body",
+    "chain": "it is planar; in space box(...), hull(points), mesh(surface), or the mesh of a body",
     **dict.fromkeys(("slot", "straight_slot", "curved_slot"), _SLOTS),
 }
 
@@ -104,7 +106,7 @@ class SpatialPlaced(PlacedBody):
             held = "the ground" if self.source is None else f"{shown(self.name)} with the shape {self._shape_name()}"
             raise ModelError(
                 f"surface: {held} has none that can be touched, expected a Sphere, Cuboid, Capsule, ConvexHull, "
-                "Polyhedron or mesh; make one with sphere, capsule, cylinder, box, hull, rim, node, hole or plane"
+                "Polyhedron or mesh; make one with sphere, capsule, cylinder, box, hull, mesh, rim, node, hole or plane"
             )
         if len(shape.triangles):
             check_closed(f"surface of {shown(self.name)}", np.array([p.place for p in shape.points]), shape.triangles)
@@ -118,8 +120,8 @@ class SpatialPlaced(PlacedBody):
         """
         if self.source is None:
             raise ModelError(
-                f"name: {shown(name)} was given for the ground, which has no mesh: make a plane, box, hull, sphere or "
-                "cylinder on it"
+                f"name: {shown(name)} was given for the ground, which has no faces: make a plane, box, hull, mesh, "
+                "sphere or cylinder on it"
             )
         if not len(self.source.faces):
             raise ModelError(
@@ -193,6 +195,33 @@ class SpatialPlaced(PlacedBody):
         check_closed("points", found.vertices, found.triangles)
         corners = tuple(rigid_point(*given[k].tolist()) for k in found.corners)
         return self._made("hull", surfaces.polyhedron(corners, found.triangles), partial(_again, "hull", given, ()))
+
+    def mesh(self, surface: Any, length_unit: Any = None, *, is_open: bool = False) -> PlacedSurface:
+        """Everything behind triangles: a part or a terrain. Not on flexible bodies.
+
+        A closed surface is a solid, with cavities where shells inside are seen from inside; a convex one touches as
+        :meth:`hull` does. Behind an open one all is solid, half its extent deep: what got deeper, or came from behind
+        around its border, is not pushed back. Its border touches as a sharp edge.
+
+        Parameters
+        ----------
+        surface : the name of an STL file, ASCII or binary; or vertices (N, 3) and triangles (T, 3) of them,
+            counter-clockwise seen from outside
+        length_unit : of the surface: "m", "cm", "mm", "um", "in", "ft", or its number of metres; None for metres, but
+            of a file it must be told
+        is_open : whether it may have a border; a hole is refused otherwise
+        """
+        self._check_rigid("mesh")
+        corners, source, is_file = corners_of(surface, length_unit)
+        if is_file and length_unit is None:
+            raise ModelError(
+                f"length_unit: none was given for {source}, which tells none; expected 'm', 'mm' or another"
+            )
+        vertices, triangles, convex = triangle_surface(source, corners, flag("is_open", is_open))
+        points = tuple(rigid_point(*place) for place in vertices.tolist())
+        made = (surfaces.polyhedron if convex else surfaces.mesh)(points, triangles)
+        again = partial(_again_mesh, (vertices, triangles), is_open)
+        return self._made("mesh", made, again)
 
     def rim(self, center: Place, axis: npt.ArrayLike, radius: float) -> PlacedSurface:
         """The rim of a disc: a circle of ``radius`` > 0 [m] about ``axis`` (3,) through ``center``. It touches planes.
@@ -288,3 +317,8 @@ def _again(kind: str, place: Place, rest: tuple[Any, ...], body: SpatialPlaced) 
     there, *others = (item.again(body) if isinstance(item, PlacedPoint) else item for item in (place, *rest))
     surface: PlacedSurface = getattr(body, kind)(there, *others)
     return surface
+
+
+def _again_mesh(surface: Any, is_open: bool, body: SpatialPlaced) -> PlacedSurface:
+    """The same triangles on another body."""
+    return body.mesh(surface, is_open=is_open)

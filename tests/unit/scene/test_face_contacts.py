@@ -157,7 +157,7 @@ def test_a_graded_face_is_as_fine_as_where_the_other_one_is(offset: float, finer
     [
         (lambda s, b, p: b.face("nose"), r"name: there is no face 'nose', expected one of .*'top'.*, of 'b0'"),
         (lambda s, b, p: b.face(3), "name: there is no face 3"),
-        (lambda s, b, p: s.ground.face("top"), "name: 'top' was given for the ground, which has no mesh"),
+        (lambda s, b, p: s.ground.face("top"), "name: 'top' was given for the ground, which has no faces"),
         (lambda s, b, p: s.add(lf.Sphere(0.1, mass=1.0), "ball").face("top"), "name: 'ball' has no faces"),
         (lambda s, b, p: s.contact(b.face("top"), p, points="area"), "points: 'area' was given, expected one of 'ar"),
         (lambda s, b, p: s.contact(b.face("top"), p, points=1), "points: 1 was given"),
