@@ -218,8 +218,8 @@ class SpatialBody:
         """What is no array; and named points that are made already must have one shape a mode."""
         mapping_of("points", self.points)
         self._check_faces(n)
-        for name in ("locate", "nodes"):
-            if not (callable(getattr(self, name)) or (name == "nodes" and self.nodes is None)):
+        for name in ("locate", "nodes", "fidelity_levels"):
+            if not (callable(getattr(self, name)) or (name != "locate" and getattr(self, name) is None)):
                 raise ModelError(f"{name}: {shown(getattr(self, name))} was given, expected a function")
         for name, kinds in (
             ("shape", SHAPES),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -94,6 +95,11 @@ def test_of_component_modes() -> None:
         made = level.make()
         assert made.modes == level.modes
         assert names_of(made) == names
+
+
+def test_levels_are_a_function() -> None:
+    with pytest.raises(lf.ModelError, match="fidelity_levels: 3 was given, expected a function"):
+        replace(BEAM.reduce(2), fidelity_levels=3)
 
 
 def test_levels_of_a_very_large_mesh_end_below_it() -> None:
