@@ -27,12 +27,11 @@ from lcpflex.basics.progress import look
 from lcpflex.basics.stopwatch import Budget
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.solvers.auto import Auto
-from lcpflex.solvers.contact.problem import ContactProblem
-from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.statics.balance import Balance, Configuration
+from lcpflex.statics.resistance import Factor, Resistance
 from lcpflex.statics.scales import Scales, acting, softest
 from lcpflex.statics.slip import Slip
+from lcpflex.statics.step_contacts import StepContacts
 from lcpflex.statics.tangent import tangent_stiffness
 
 __all__ = ["Multipliers", "Path", "Station"]
@@ -49,8 +48,6 @@ ROUNDING = 1e-12  # of the size
 TINY = 1e-3  # of the longest step: a shorter one is made whatever it leaves out
 KEPT = 1e-3  # of the largest force on the path so far: where forces come to nothing, it is what is compared with
 STIFF = 0.9  # of the length before: a step that more damping leaves longer is one that overlaps ask for
-SOLVING = 60.0  # [s] that a contact problem may take
-ENOUGH = 1e-6  # residual that a contact problem of space may have: forces are found anew where the path ends
 UNTOLD = 1e-16  # of the size: displacement of the softest spring or mode whose force is none
 INDEPENDENT = 1e-12  # of the largest eigenvalue: redundant joint rows
 
@@ -88,7 +85,7 @@ class Path:
         self.told = known is None  # whether contacts stick and slip as on this path, and not as on the way to its start
         self._alpha, self._first = 0.0, 1.0 if known is None else SLOWLY
         self._slip = Slip(balance, known is not None)
-        self._solver = Auto(budget=SOLVING)
+        self._contacts = StepContacts(dict(known or {}))
 
     def advance(self, budget: Budget | None = None) -> bool:
         """One step; False where none can be made, or the budget is spent."""
@@ -96,6 +93,7 @@ class Path:
         M = mass_matrix(self.balance.model, here.at.q)
         K = tangent_stiffness(self.balance, self.scales, here.at.q, here.p)
         K = 0.5 * (K + K.T)
+        resistance = Resistance(M, K, self.scales.arm)
         masses = self.balance.model.bodies.mass
         off = self.soft * float(np.abs(here.at.phi).max(initial=0.0))  # what joints and drives are about to load
         most = max(here.scale, self.scales.force(here.at.force), off)
@@ -108,7 +106,7 @@ class Path:
             look()
             if budget is not None and budget.is_spent:
                 return False
-            found = self._step(here, M, K, slid, part, alpha)
+            found = self._step(here, resistance.factor(alpha), slid, part)
             if found is None and self.balance.push is not None:
                 return False  # contacts are in the way of the push, whatever the damping
             length = self.scales.moved(found[0]) if found is not None else math.inf
@@ -168,54 +166,36 @@ class Path:
         return joints + [(1, key) for key in own] + [(2 + j % at.d, own[k]) for j, k in enumerate(at.tangent.tolist())]
 
     def _step(
-        self, here: Station, M: FloatArray, K: FloatArray, slid: FloatArray, part: float, alpha: float
+        self, here: Station, factor: Factor, slid: FloatArray, part: float
     ) -> tuple[FloatArray, FloatArray] | None:
         """dq and the multipliers of all rows; None where the contact problem is not solved."""
         at, arm = here.at, self.scales.arm
-        L = _factor(alpha * M, K, arm)
-        white = np.linalg.solve(L, (at.rows / arm).T)  # L^-1 rows^T
-        load = np.linalg.solve(L, at.force / arm)
+        white, load = factor.whitened((at.rows / arm).T), factor.whitened(at.force / arm)
         n_joint = at.n_joint
         J, W = white[:, :n_joint], white[:, n_joint:]
         size = np.linalg.norm(J, axis=0)  # rows of rad and m, made alike
         unit = np.diag(1.0 / np.where(size > 0.0, size, 1.0))
         inverse = unit @ np.linalg.pinv(unit @ J.T @ J @ unit, rcond=INDEPENDENT, hermitian=True) @ unit
-        phi = self._share(L, J @ (inverse @ at.phi)) * at.phi
+        phi = self._share(factor.moved(J @ (inverse @ at.phi))) * at.phi
         free = load - J @ (inverse @ (J.T @ load + phi))
-        factor = (W - J @ (inverse @ (J.T @ W))).T
+        held = (W - J @ (inverse @ (J.T @ W))).T
         target = np.concatenate([np.maximum(np.where(at.gap < 0.0, part, 1.0) * at.gap, -0.5 * self.longest), slid])
         p = np.zeros(len(at.rows))
         if at.n_contacts:
-            forces = self._forces(at, factor, W.T @ free + target)
+            forces = self._contacts.forces(at, self._keys(at)[n_joint:], held, W.T @ free + target)
             if forces is None:
                 return None
             p[n_joint:] = forces
-        white_dq = free + factor.T @ p[n_joint:]
+        white_dq = free + held.T @ p[n_joint:]
         p[:n_joint] = -inverse @ (J.T @ (load + W @ p[n_joint:]) + phi)
-        return np.linalg.solve(L.T, white_dq) / arm, p
+        return factor.moved(white_dq) / arm, p
 
-    def _forces(self, at: Configuration, factor: FloatArray, free: FloatArray) -> FloatArray | None:
-        """(n + m,) of contacts and tangents whose operator is factor factor^T; None where they are not found."""
-        if at.d == 1 or not len(at.tangent):
-            problem = ContactProblem(factor @ factor.T, free, at.friction)
-            found = self._solver.solve(problem)
-            return np.concatenate(problem.forces(found.z)) if found.solved else None
-        rows = np.full((at.n_contacts, 3), -1)  # of each contact n, t1 and t2, the latter where it has friction
-        rows[:, 0] = np.arange(at.n_contacts)
-        rows[at.tangent[::2], 1:] = at.n_contacts + np.arange(len(at.tangent)).reshape(-1, 2)
-        order, known = rows.ravel(), rows.ravel() >= 0
-        factor, free = np.where(known[:, None], factor[order], 0.0), np.where(known, free[order], 0.0)
-        cones = SpatialContactProblem(factor @ factor.T, free, at.friction)
-        found = self._solver.solve(cones)
-        if not (found.solved or found.residual <= ENOUGH):
-            return None
-        forces = np.zeros(at.n_contacts + len(at.tangent))
-        forces[order[known]] = cones.forces(found.z).ravel()[known]
-        return forces
+    def _share(self, closing: FloatArray) -> float:
+        """Of what joints and drives are off, as much as half a step closes; ``closing`` is the motion that closes all.
 
-    def _share(self, L: FloatArray, white: FloatArray) -> float:
-        """Of what joints and drives are off, as much as half a step closes; ``white`` is the motion that closes all."""
-        whole = float(np.abs(np.linalg.solve(L.T, white)).max(initial=0.0))
+        It is in metres, (ndof,).
+        """
+        whole = float(np.abs(closing).max(initial=0.0))
         return min(1.0, 0.5 * self.longest / whole) if whole > 0.0 else 1.0
 
     def _good(self, here: Station, M: FloatArray, K: FloatArray, alpha: float, dq: FloatArray, p: FloatArray) -> bool:
@@ -229,20 +209,3 @@ class Path:
             return False
         change = self.scales.force(damping) + self.scales.force(K @ dq)
         return moved <= TINY * self.longest or self.scales.force(missed) <= WRONG * change + 1e-9 * here.scale
-
-
-def _factor(damping: FloatArray, K: FloatArray, arm: FloatArray) -> FloatArray:
-    """Cholesky factor of damping + K in metres; without the directions in which K pushes away, if it must be.
-
-    Where joints and contacts hold those it makes no difference; else steps are short enough to tell.
-    """
-    units = np.outer(arm, arm)
-    try:
-        return np.asarray(np.linalg.cholesky((damping + K) / units))
-    except np.linalg.LinAlgError:
-        L = np.linalg.cholesky(damping / units)
-        white = np.linalg.solve(L, np.linalg.solve(L, K / units).T)
-        sizes, ways = np.linalg.eigh(0.5 * (white + white.T))
-        stretched = L @ ways * np.sqrt(1.0 + np.maximum(sizes, 0.0))
-        upper: FloatArray = np.asarray(np.linalg.qr(stretched.T, mode="r"))
-        return upper.T

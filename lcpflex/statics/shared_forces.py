@@ -3,8 +3,9 @@
     E x = -h,    lambda_N >= 0,    |lambda_T| <= mu lambda_N,    E = [J^T, W_N^T, W_T^T]
 
 With one solution x_p and the null space N of E it is a least-distance problem in y, x = x_p + N y, solved by
-non-negative least squares and then on its active constraints, to rounding. Which forces are the same in all solutions,
-and which contacts have forces within their cones in some of them, is told by linear programs.
+non-negative least squares and then on its active constraints, to rounding. Which contacts have forces within their
+cones in some solution is told by linear programs; which forces are the same in all by the null space of the sides that
+all solutions touch.
 
 In space cones are of second order, and programs of those, of an interior-point method, take the places of both.
 
@@ -100,7 +101,7 @@ def shared_forces(
     N = np.linalg.qr(N / d[:, None])[0] if len(bounds) else _orthonormal(N, E, d)
     ranges = _with_one(x / d, N, cones, bounds * np.append(d, 1.0))
     inside = _inside(*ranges)
-    unique[chosen] = _unique(*ranges, bool(inside.all()))[: len(x)]
+    unique[chosen] = _unique(*ranges, inside)[: len(x)]
     k = np.flatnonzero(closed)
     pressed[k] = inside[: len(k)]
     rubbing = np.flatnonzero(closed[at.tangent])
@@ -212,21 +213,22 @@ def _least_within(x: FloatArray, N: FloatArray, cones: Cones, bounds: FloatArray
     return None if found is None else found[:-1]
 
 
-def _unique(x: FloatArray, N: FloatArray, cones: Cones, inside: bool) -> NDArray[np.bool_]:
-    """Which entries of x are the same in all solutions; ``inside``: one is inside of all cones."""
+def _unique(x: FloatArray, N: FloatArray, cones: Cones, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which entries of x are the same in all solutions; ``inside``: the sides that some solution keeps away from.
+
+    The mean of several solutions keeps away from all of those, and may move as far as the other sides C_A let it:
+    N y with C_A N y = 0.
+    """
     unique = np.asarray(np.abs(N).max(axis=1, initial=0.0) <= SAME)
     if not N.shape[1]:
         return unique
     if len(cones.second):
-        for i in np.flatnonzero(~unique) if not inside else ():
+        for i in np.flatnonzero(~unique) if not inside.all() else ():
             unique[i] = max(ends_in_cones(sign * N[i], x, N, cones, ACTIVE) for sign in (1.0, -1.0)) <= OPEN
         return unique
-    C = cones.linear
-    sides, room = (-(C @ N), np.maximum(C @ x, 0.0) + ACTIVE) if len(C) else (None, None)
-    for i in np.flatnonzero(~unique):
-        ends = [linprog(sign * N[i], A_ub=sides, b_ub=room, bounds=(None, None)) for sign in (1.0, -1.0)]
-        unique[i] = all(end.fun is not None and end.status == 0 and -end.fun <= OPEN for end in ends)
-    return unique
+    _, sizes, V = np.linalg.svd(cones.linear[~inside] @ N)
+    ways = N @ V[int((sizes > SAME).sum()) :].T
+    return np.asarray(np.abs(ways).max(axis=1, initial=0.0) <= SAME)
 
 
 def _inside(x: FloatArray, N: FloatArray, cones: Cones) -> NDArray[np.bool_]:

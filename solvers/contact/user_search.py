@@ -32,6 +32,7 @@ from lcpflex.solvers.contact.system import FEW, SIZES, ContactSystem
 
 __all__ = ["UserSearch", "split_ranks", "user_attempts"]
 
+FULL = 0.25  # of the entries of W: its factors have them all, and dense ones are then made three times as fast
 RANK = 1e-12  # of the largest entry of a C_k: what is left is rounding
 MARGIN = 0.1  # of the tolerance: what is judged is rounded once more, and contact by contact
 
@@ -86,6 +87,8 @@ class _SparseFactors:
             W = libs.sparse.bsr_array((block, op.other, op.first), shape=(size, size))
             self.matrix: Any = libs.sparse.csr_array(W)
             op.symmetric = int(equals_transpose(self.matrix))
+            if self.matrix.nnz > FULL * size**2:
+                self.matrix = self.matrix.toarray()
         else:
             J = libs.sparse.csr_array((op.value, op.place, op.first), shape=(len(op.first) - 1, len(op.x)))
             present = op.row.ravel() >= 0
@@ -143,8 +146,19 @@ def _through(VW: Any, U: Any) -> Step:
     """What solves (I + U V W) x = right side, by the factor of as many equations as U has columns."""
     if not U.shape[1]:
         return lambda x: x
-    solve = _factorised(libs.sparse.eye_array(U.shape[1]) + VW @ U)
+    small = VW @ U
+    full = isinstance(small, np.ndarray)
+    solve = _dense_factors(small) if full else _factorised(libs.sparse.eye_array(U.shape[1]) + small)
     return lambda x: x - U @ solve(VW @ x)
+
+
+def _dense_factors(small: FloatArray) -> Step:
+    """What solves with I + ``small``, full. Raises RuntimeError where that is exactly singular."""
+    matrix = np.eye(len(small)) + small
+    factors, swaps, info = libs.linalg.lapack.dgetrf(matrix)
+    if info != 0:
+        raise RuntimeError("Factor is exactly singular")
+    return lambda x: np.asarray(libs.linalg.lapack.dgetrs(factors, swaps, x)[0])
 
 
 def _factorised(matrix: Any) -> Step:
