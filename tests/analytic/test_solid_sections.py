@@ -163,6 +163,8 @@ def lying(points: str) -> lf.Result:
     scene.contact(a.face("bottom"), ground, friction=0.3, points=points)
     scene.contact(b.face("bottom"), a.face("top"), friction=0.3, points=points)
     scene.load(lf.Force(b.point("top"), (20.0, 10.0, -300.0)))
+    scene.sensor(lf.sensors.Stress(a, (0.0, -0.025, 0.0), name="stress"))
+    scene.sensor(lf.sensors.Section(a, 0.013, normal=(0.0, 0.0, 1.0), name="section"))
     return lf.simulate(scene, 0.05, lf.MoreauJean(1e-4), record=0.025, progress=False)
 
 
@@ -182,6 +184,12 @@ def test_contacts_at_faces(points: str) -> None:
             assert here.moment == pytest.approx(-there.moment, abs=1e-6 * weight)  # products of modes
     flat: Any = result.section("low", 0.013, normal=(0.0, 0.0, 1.0))
     assert flat.N[-1] == pytest.approx(-(300.0 + (1.0 + 0.37) * weight), rel=5e-3)
+    assert result.sensor("section").column("force z") == pytest.approx(flat.force[:, 2], abs=1e-9 * weight)
+    stress = result.stress("low").all()
+    k = int(np.linalg.norm(stress.places - [0.0, -0.025, 0.0], axis=1).argmin())
+    for name in ("zz", "yz", "von_mises"):
+        column = result.sensor("stress").column(name.replace("_m", " M"))
+        assert column == pytest.approx(getattr(stress, name)[:, k], abs=1e-9 * stress.von_mises.max())
 
 
 def test_parts_of_what_flies_balance(tmp_path: Path) -> None:
