@@ -80,7 +80,8 @@ class Section:
     In a spatial scene N, V_y, V_z, T, M_y and M_z, and whether the motion determines them, as
     :class:`lcpflex.results.spatial.section_forces.SpatialSectionForces`; of a reduced solid as
     :class:`lcpflex.results.spatial.solid_sections.SolidSectionForces`, with a normal as force and moment x, y, z. They
-    are computed in Python, in about a millisecond a measurement. body: a Beam, Bar, SpatialBeam or body of a Solid, or
+    are computed in Python, in about a millisecond a measurement; a mesh is cut anew now and then, which takes seconds
+    of one of 8000 elements. body: a Beam, Bar, SpatialBeam or body of a Solid, or
     its name. x: along its axis, of a solid normal . r in the plane of the section [m]. every: time between measurements
     [s], see :meth:`lcpflex.Scene.sensor`. name: of the sensor. normal: of a section of a solid, (1, 0, 0) if omitted.
     Raises ModelError for another body, a place off its axis, or a plane beside it.
