@@ -53,6 +53,7 @@ def __dir__() -> list[str]:
 PAIRS = 9  # in the contact patch
 MOST_PAIRS = 1e12  # nobody has more
 PER_WAVELENGTH = 20  # elements
+ALONG_IMPACT = 0.25  # of the size elsewhere, through a part that is thin that way
 FRACTION = 0.1  # of the static share of a pulse, below which a frequency counts as not excited
 
 
@@ -225,15 +226,28 @@ class ContactAdvice:
     size_elsewhere: tuple[float, ...]
     step: float
 
+    @property
+    def size_along_impact(self) -> tuple[float, ...]:
+        """Longest edge along the impact through the part that is struck [m]: a quarter of ``size_elsewhere``.
+
+        Source: Chen, Liu & Hong 2015 (rule 2). In 20 mm of steel, two layers put the velocity behind the contact off
+        by 5 % of the speed of approach, ten, of a quarter of 8.5 mm, by 0.3 %; the peak force changes by 0.5 % in both.
+        """
+        return tuple(ALONG_IMPACT * size for size in self.size_elsewhere)
+
     def __str__(self) -> str:
-        sizes = " and ".join(f"{1e3 * size:.3g} mm" for size in self.size_elsewhere)
+        sizes, along = (
+            " and ".join(f"{1e3 * size:.3g} mm" for size in wanted)
+            for wanted in (self.size_elsewhere, self.size_along_impact)
+        )
         return "\n".join([
             f"contact lasts about {1e6 * self.duration:.4g} us with a peak of about {self.peak_force:.4g} N (Hertz)",
             f"it excites frequencies up to about {1e-3 * self.frequency:.3g} kHz: keep free modes up to there, and "
             "residual modes at the contact (scene.add(body, modes=...))",
             f"contact patch: radius {1e3 * self.radius:.3g} mm; elements there of at most "
             f"{1e3 * self.size_at_contact:.2g} mm, for {PAIRS} pairs in contact",
-            f"elements elsewhere of at most {sizes}, {PER_WAVELENGTH} to the shortest wave",
+            f"elements elsewhere of at most {sizes}, {PER_WAVELENGTH} to the shortest wave; along the impact, through "
+            f"the thickness of what is struck, of at most {along}",
             f"steps of at most {1e6 * self.step:.2g} us",
         ])  # fmt: skip
 

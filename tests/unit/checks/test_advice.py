@@ -71,6 +71,13 @@ def test_no_frequency_beyond_the_excited_ones_gets_more_than_the_fraction(fracti
     assert share(0.4 * limit) > fraction
 
 
+def test_elements_along_the_impact_are_a_quarter_as_long():
+    """Chen, Liu & Hong 2015: 8.5 mm for 30 kHz, and a quarter of that in the direction of the impact."""
+    told = advice.contact_advice(BALL, 0.015, advice.effective_modulus((210e9, 0.3)), 1.0, 5100.0, 3200.0)
+    assert told.size_along_impact == pytest.approx([0.25 * size for size in told.size_elsewhere])
+    assert f"of at most {250.0 * told.size_elsewhere[0]:.3g} mm and" in str(told)
+
+
 def test_elements_and_pairs():
     assert advice.wave_speed(69e9, 2700.0) == pytest.approx(5055.25, rel=1e-6)
     assert advice.element_size(30e3, 5100.0) == pytest.approx(8.5e-3)  # Chen, Liu & Hong 2015: 8.5 mm for 30 kHz
