@@ -35,6 +35,7 @@ STUDIES = (
     "slotted_joint_tables",
     "snap_fit",
     "soft_gripper",
+    "solid_pendulum_strikes_rod",
     "solid_slider_crank",
     "strip_pile",
     "two_spheres",
