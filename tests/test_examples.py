@@ -37,6 +37,7 @@ STUDIES = (
     "soft_gripper",
     "solid_pendulum_strikes_rod",
     "solid_slider_crank",
+    "spatial_pendulum_micro_collisions",
     "strip_pile",
     "two_spheres",
     "velocity_behind_contact",

@@ -7,6 +7,7 @@ import numpy.typing as npt
 import pytest
 
 import lcpflex as lf
+from lcpflex.gallery.mechanisms.solid_strip import hinged_solid, solid_on_hemisphere
 from lcpflex.runs.setup import Stepper
 from tests import libs
 from tests.rates import assert_rate
@@ -91,22 +92,14 @@ def long_rod() -> lf.SpatialBody:
     )
     x, y, z = mesh.p
     near = (np.abs(z + 2.5e-3) < 1e-9) & (np.hypot(x - FAR, y) < 3.01 * FINEST)
-    sets = {"hinge": np.flatnonzero(x < -0.3499), "contact": np.flatnonzero(near)}
+    sets = {"left": np.flatnonzero(x < -0.3499), "patch": np.flatnonzero(near)}
     solid = lf.Solid(mesh, density=2700.0, youngs_modulus=6.9e10, poissons_ratio=0.33, sets=sets)
-    hinge = lf.Interface("hinge", contact=False)
-    return solid.reduce(MODES, contact=np.flatnonzero(near).tolist(), rows="normal", interfaces=[hinge])
+    return hinged_solid(solid, MODES)
 
 
 def swung(rod: lf.SpatialBody, points: str, step: float, duration: float, phase: float = 0.0) -> lf.Result:
     """Onto a sphere of 20 mm, a radius that is not printed, at 0.4 m/s, after 0.25 us and a part of a step."""
-    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
-    spin = 0.4 / (0.5 * LONG + FAR)
-    body = scene.add(rod, name="rod", angular_velocity=(0.0, spin, 0.0), velocity=(0.0, 0.0, -0.5 * spin * LONG))
-    hinge = scene.ground.at(-0.5 * LONG, 0.0, 0.0)
-    scene.join(lf.Revolute(body.point("hinge"), hinge, axis=(0.0, 1.0, 0.0)))
-    gap = 0.4 * (2.5e-7 + phase * step)
-    ball = scene.ground.sphere((FAR, 0.0, -2.5e-3 - 0.02 - gap), 0.02)
-    scene.contact(body.face("contact"), ball, points=points, name="hit")
+    scene = solid_on_hemisphere(rod, 0.5 * LONG + FAR, 0.02, 0.4, gap=0.4 * (2.5e-7 + phase * step), points=points)
     return lf.simulate(scene, duration, lf.MasslessBoundary(step=step), record=step)
 
 
