@@ -22,6 +22,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.kinematics.configuration import advance, difference
 from lcpflex.kinematics.joint_rows import joint_residual
+from lcpflex.model.coordinates import ANGULAR
 from lcpflex.model.layout import is_spatial
 from lcpflex.statics.stiffness_columns import lay_contacts, stiffness_columns
 
@@ -38,6 +39,7 @@ class Configuration:
     q: FloatArray  # (nq,), as many as ndof in the plane
     force: FloatArray  # (ndof,) h
     phi: FloatArray  # (r,) [m] or [rad]
+    turns: NDArray[np.bool_]  # (r,) whether phi is in [rad]
     gap: FloatArray  # (n,) [m]
     friction: FloatArray  # (n,) mu
     tangent: IntArray  # (m,) contact of each tangential row
@@ -62,6 +64,7 @@ class Push:
     row: FloatArray
     start: FloatArray
     way: float
+    turns: bool  # whether it is an angle
 
 
 class Balance:
@@ -145,13 +148,15 @@ class Balance:
         for side in range(2):
             np.add.at(rows, (each, columns[:, side]), work.rows.J[:total, side])
         rows, phi = rows[:, :-1].copy(), work.scratch.residual.copy()
+        turns = ANGULAR[self.model.joints.kind]
         if self.push is not None:
             rows = np.insert(rows, n_joint, self.push.row, axis=0)
-            phi = np.append(phi, self._off(self.push, q))
+            phi, turns = np.append(phi, self._off(self.push, q)), np.append(turns, self.push.turns)
         return Configuration(
             q=q.copy(),
             force=work.free.total.copy(),
             phi=phi,
+            turns=turns,
             gap=work.rows.table.gap[:n].copy(),
             friction=work.rows.mu[:n].copy(),
             tangent=work.rows.tangent[:n_tangent].copy(),

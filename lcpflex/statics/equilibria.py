@@ -34,7 +34,7 @@ SHARES = (1 / 16, 1 / 8, 1 / 4, 1 / 2)  # of a push: where it is let go for a mo
 FREE = 1e-6  # of a coordinate: what joints leave of it, where they leave it anything
 SAME = 1e-6  # of the size, or rad: places that differ by less are one
 TURN = math.pi  # [rad] that a body is turned at most
-DONE = 1e-6  # of the size: a push is at its end
+DONE = 1e-6  # of the size, or rad: a push is at its end
 
 
 def equilibria(
@@ -136,10 +136,10 @@ def _search(
     try:
         found.append(come_to_rest(problem, path))
         for rest in found:  # which grows
-            for row, way in _pushes(problem, rest, bodies, reach):
+            for push in _pushes(problem, rest, bodies, reach):
                 if len(found) >= most:
                     return ""
-                new = _behind(problem, rest, row, way, found)
+                new = _behind(problem, rest, push, found)
                 if problem.budget.is_spent:
                     return f"the budget of {problem.budget.seconds:g} s of computing is spent"
                 if new is not None:
@@ -164,8 +164,8 @@ def _bodies(problem: Problem, names: Sequence[str] | None) -> list[int]:
     return [known.index(name) for name in chosen]
 
 
-def _pushes(problem: Problem, rest: Rest, bodies: list[int], reach: float | None) -> Iterator[tuple[FloatArray, float]]:
-    """A row (ndof,) and how far it is driven, of all pushes of bodies that joints leave free."""
+def _pushes(problem: Problem, rest: Rest, bodies: list[int], reach: float | None) -> Iterator[Push]:
+    """All pushes of bodies that joints leave free."""
     balance, scales = problem.balance, problem.scales
     at = balance.look(rest.q.copy(), 0.0)
     joints, numbers = at.rows[: at.n_joint] / scales.arm, dimension(balance.model.bodies)
@@ -177,13 +177,14 @@ def _pushes(problem: Problem, rest: Rest, bodies: list[int], reach: float | None
             own = row / scales.arm / np.linalg.norm(row / scales.arm)
             held = np.linalg.lstsq(joints.T, own, rcond=None)[0] @ joints if len(joints) else 0.0 * own
             if np.linalg.norm(own - held) > FREE:
+                turns = i >= numbers.components
                 for sign in (1.0, -1.0):
-                    yield row, sign * (length if i < numbers.components else TURN)
+                    yield Push(row, rest.q.copy(), sign * (TURN if turns else length), turns)
 
 
-def _behind(problem: Problem, rest: Rest, row: FloatArray, way: float, known: list[Rest]) -> Rest | None:
+def _behind(problem: Problem, rest: Rest, push: Push, known: list[Rest]) -> Rest | None:
     """The first place, none of those that are known, that a push of ``rest`` leads to."""
-    for q in _let_go(problem, rest, row, way):
+    for q in _let_go(problem, rest, push):
         try:
             new = come_to_rest(problem, Path(problem.balance, problem.scales, q))
         except SolverError:
@@ -193,10 +194,10 @@ def _behind(problem: Problem, rest: Rest, row: FloatArray, way: float, known: li
     return None
 
 
-def _let_go(problem: Problem, rest: Rest, row: FloatArray, way: float) -> Iterator[FloatArray]:
+def _let_go(problem: Problem, rest: Rest, push: Push) -> Iterator[FloatArray]:
     """Configurations on a push at which the scene is let go; the push goes on behind each."""
-    balance, scales = problem.balance, problem.scales
-    push = Push(row, rest.q.copy(), way)
+    balance, scales, way = problem.balance, problem.scales, push.way
+    done, lever = (DONE, scales.size) if push.turns else (DONE * scales.size, 1.0)
     rough = bool((balance.model.contacts.friction > 0.0).any())
     left = [abs(way) * (1.0 - share) for share in (SHARES if rough else ())]
     balance.push = push
@@ -209,9 +210,9 @@ def _let_go(problem: Problem, rest: Rest, row: FloatArray, way: float) -> Iterat
             here = path.station
             balance.pushed_to(here.at.q)
             off = abs(float(here.at.phi[-1]))
-            resists = math.copysign(1.0, way) * float(here.p[here.at.n_joint - 1]) > RESISTS * here.scale
+            resists = math.copysign(1.0, way) * float(here.p[here.at.n_joint - 1]) > RESISTS * lever * here.scale
             passed = bool(left) and off <= left[0]
-            if off <= DONE * scales.size:
+            if off <= done:
                 break
             if (resisted and not resists) or passed:
                 left = [length for length in left if length < off]

@@ -95,7 +95,7 @@ class Path:
         K = 0.5 * (K + K.T)
         resistance = Resistance(M, K, self.scales.arm)
         masses = self.balance.model.bodies.mass
-        off = self.soft * float(np.abs(here.at.phi).max(initial=0.0))  # what joints and drives are about to load
+        off = self.soft * self.scales.size * self.scales.off(here.at)  # what joints and drives are about to load
         most = max(here.scale, self.scales.force(here.at.force), off)
         rate = most / (float(masses.max()) * self.scales.size) or 1.0  # without a force any damping will do
         least = LEAST_DAMPING * rate
@@ -152,8 +152,8 @@ class Path:
         scale = self.scale(at, p)
         left = self.scales.force(at.force + at.rows.T @ p)
         residual = left / scale if scale > 0.0 else 0.0
-        violated = max(float(np.abs(at.phi).max(initial=0.0)), -float(at.gap.min(initial=0.0)))
-        return Station(at, p, scale, max(residual, violated / self.scales.size), travelled, dq)
+        violated = max(self.scales.off(at), -float(at.gap.min(initial=0.0)) / self.scales.size)
+        return Station(at, p, scale, max(residual, violated), travelled, dq)
 
     def multipliers(self, at: Configuration, p: FloatArray) -> Multipliers:
         """The multipliers p of the rows of ``at``, which was looked at last, by keys that outlive it."""

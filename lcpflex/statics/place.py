@@ -9,7 +9,6 @@ from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.reaction_memory import reaction
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model.coordinates import ANGULAR
 from lcpflex.statics.balance import Balance, Configuration
 from lcpflex.statics.path import Path
 from lcpflex.statics.refinement import CLOSED, refined
@@ -39,7 +38,7 @@ def rest_at(compiled: CompiledScene, balance: Balance, scales: Scales, path: Pat
     closed = at.gap <= CLOSED * scales.size
     scale = path.station.scale
     unit = np.ones(len(at.rows))
-    unit[: at.n_joint][ANGULAR[balance.model.joints.kind]] = compiled.size
+    unit[: at.n_joint][at.turns] = compiled.size
     bodies = np.diff(balance.model.bodies.dof)
     forces = forces_after_slip(
         at, path.slip(at), scales, closed, unit, scale, lambda p: np.repeat(acting_on(balance, scales, at, p), bodies)

@@ -109,7 +109,7 @@ def refined(balance: Balance, scales: Scales, path: Path) -> FloatArray | None:
         if balance.crossing().any():
             p = p + _missing(sets, at, scales, p)
         unbalanced = scales.force(at.force + at.rows.T @ p) / here.scale
-        drift = float(np.abs(sets.offset[:r]).max(initial=0.0)) / scales.size
+        drift = scales.off(at)
         apart = float(np.abs(sets.offset[r:]).max(initial=0.0)) / scales.size
         left = max(unbalanced, drift, apart)
         done = best_left <= EXACT and left > HALVED * best_left

@@ -38,6 +38,10 @@ class Scales:
         """Largest displacement by dq (ndof,) [m]."""
         return float(np.abs(self.arm * dq).max(initial=0.0))
 
+    def off(self, at: Configuration) -> float:
+        """How far joints and drives are off at most, of the size, or in rad."""
+        return float(np.abs(at.phi / np.where(at.turns, 1.0, self.size)).max(initial=0.0))
+
     def force(self, f: FloatArray) -> float:
         """Largest force of f (ndof,) [N]."""
         return float(np.abs(f / self.arm).max(initial=0.0))

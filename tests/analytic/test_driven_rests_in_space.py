@@ -7,6 +7,7 @@ import warnings
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
 
@@ -131,4 +132,40 @@ def test_a_beam_on_two_supports(size: float, mass: float) -> None:
     assert sag / size == pytest.approx(5.0 * load / (384.0 * 2e11 * 0.02**4 / 12.0), rel=EXACT)
     for side in ("left", "right"):
         assert rest.contact(side).normal == pytest.approx([0.5 * load * mass * size], rel=EXACT)
+    assert rest.stable
+
+
+def linkage(size: float) -> lf.SpatialScene:
+    """Three rods that hang from two pins: a ball between the first two, a Cardan joint between the last."""
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, -G * size))
+    corners = size * np.array([(0.0, 0.0, 0.0), (0.2, 0.05, -0.3), (0.7, -0.05, -0.35), (0.8, 0.0, 0.0)])
+    left, right = [], []
+    for k, mass in enumerate((1.0, 2.0, 1.5)):
+        along = corners[k + 1] - corners[k]
+        length = float(np.linalg.norm(along))
+        turned = Rotation.align_vectors([along], [[1.0, 0.0, 0.0]])[0]
+        middle = tuple(0.5 * (corners[k] + corners[k + 1]))
+        rod = lf.Cuboid(length, 0.02 * size, 0.03 * size, mass=mass)
+        placed = scene.add(rod, f"rod {k}", position=middle, orientation=turned)
+        left.append(placed.at(-0.5 * length, 0.0, 0.0))
+        right.append(placed.at(0.5 * length, 0.0, 0.0))
+    scene.join(lf.Revolute(left[0], scene.ground.at(*corners[0]), axis=(0.0, 1.0, 0.0), name="first"))
+    scene.join(lf.Ball(right[0], left[1], name="ball"))
+    scene.join(lf.Universal(right[1], left[2], axis=(0.0, 1.0, 0.0), axis_p=(0.0, 0.0, 1.0), name="cross"))
+    scene.join(lf.Revolute(right[2], scene.ground.at(*corners[3]), axis=(0.0, 1.0, 0.0), name="last"))
+    return scene
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_a_linkage_hangs_alike_in_all_units(size: float) -> None:
+    """Rows of joints that are angles are no lengths: how far one is off is not of the size of the scene."""
+    rest = lf.equilibrium(linkage(size))
+    weights = np.array([1.0, 2.0, 1.5]) * G * size
+    first, ball, cross, last = (rest.joint(name).force for name in ("first", "ball", "cross", "last"))
+    carried = np.array([first + ball, cross - ball, last - cross])
+    assert carried[:, 2] == pytest.approx(weights, rel=EXACT)
+    assert carried[:, :2] == pytest.approx(np.zeros((3, 2)), abs=EXACT * weights.max())
+    known = lf.equilibrium(linkage(1.0))
+    places = np.reshape(rest.q, (3, 7))[:, :3] / size
+    assert places == pytest.approx(np.reshape(known.q, (3, 7))[:, :3], abs=1e-8)
     assert rest.stable
