@@ -25,8 +25,9 @@ def surface_thickness(contacts: Contacts) -> FloatArray:
     infinite for half-planes.
     """
     depths = _feature_depths(contacts)
+    radii = np.where(contacts.node_radius >= 0.0, contacts.node_radius, math.inf)  # < 0: ends of a bore
     thickness = np.full((len(contacts.surface_body), 2), math.inf)
-    for column, start, values in ((0, contacts.node_start, contacts.node_radius), (1, contacts.feature_start, depths)):
+    for column, start, values in ((0, contacts.node_start, radii), (1, contacts.feature_start, depths)):
         some = np.diff(start) > 0  # of the others, reduceat would take those of the next
         if some.any():
             thickness[some, column] = np.minimum.reduceat(values, start[:-1][some])
@@ -63,7 +64,7 @@ def farthest(contacts: Contacts, points: Points) -> float:
     """Largest distance of a point of a surface from the frame of its body [m]."""
     if not len(contacts.surface_body):
         return 0.0
-    nodes = _lengths(points.place[contacts.node_point]) + contacts.node_radius
+    nodes = _lengths(points.place[contacts.node_point]) + np.abs(contacts.node_radius)
     feature_point = contacts.feature_point[_reaching(contacts)]
     features = _lengths(points.place[feature_point].reshape(-1, points.place.shape[1]))
     moving = features[points.body[feature_point].reshape(-1) >= 0]

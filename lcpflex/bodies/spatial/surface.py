@@ -21,6 +21,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = [
     "ALL_FEATURES",
+    "BORE",
     "CAPSULE",
     "CODES",
     "CONVEX",
@@ -33,6 +34,7 @@ __all__ = [
     "MESH",
     "MESHES",
     "NO_POINTS",
+    "PIN",
     "POLYHEDRON",
     "RANKS",
     "RIMMED",
@@ -51,6 +53,7 @@ __all__ = [
     "polyhedron",
     "rim",
     "surface_of",
+    "tube",
 ]
 
 
@@ -66,23 +69,28 @@ class SpatialKind(Enum):
     POLYHEDRON = "convex polyhedron"
     MESH = "triangle surface"
     HOLE = "hole"
+    PIN = "pin"
+    BORE = "bore"
     PLANE = "plane"
 
 
 # by which kernels know them, and files of results: what came later is behind the others
-_CODED = (*(kind for kind in SpatialKind if kind is not SpatialKind.FACE), SpatialKind.FACE)
+_LATE = (SpatialKind.FACE, SpatialKind.PIN, SpatialKind.BORE)
+_CODED = (*(kind for kind in SpatialKind if kind not in _LATE), *_LATE)
 CODES = {kind: code for code, kind in enumerate(_CODED)}
 RANKS = tuple(list(SpatialKind).index(kind) for kind in _CODED)  # by the codes: of two node sides, the lower is it
 SOLID = (SpatialKind.CAPSULE, SpatialKind.POLYHEDRON, SpatialKind.MESH, SpatialKind.HOLE, SpatialKind.PLANE)
 TOUCHED = {  # what the nodes of a surface may touch
-    SpatialKind.NODE: (SpatialKind.SPHERE, SpatialKind.CYLINDER, *SOLID),
-    SpatialKind.SPHERE: (SpatialKind.SPHERE, SpatialKind.CYLINDER, *SOLID),
+    SpatialKind.NODE: (SpatialKind.SPHERE, SpatialKind.CYLINDER, SpatialKind.BORE, *SOLID),
+    SpatialKind.SPHERE: (SpatialKind.SPHERE, SpatialKind.CYLINDER, SpatialKind.BORE, *SOLID),
     SpatialKind.CAPSULE: (SpatialKind.CYLINDER, *SOLID),
     SpatialKind.CYLINDER: (SpatialKind.CYLINDER, SpatialKind.POLYHEDRON, SpatialKind.PLANE),
     SpatialKind.RIM: (SpatialKind.PLANE,),
     SpatialKind.FACE: (SpatialKind.SPHERE, SpatialKind.CYLINDER, SpatialKind.FACE, *SOLID),
     SpatialKind.POLYHEDRON: (SpatialKind.CYLINDER, *SOLID),
     SpatialKind.MESH: SOLID,
+    SpatialKind.PIN: (SpatialKind.BORE,),
+    SpatialKind.BORE: (SpatialKind.PIN,),
 }
 TOUCHES = np.array([[b in TOUCHED.get(a, ()) for b in CODES] for a in CODES])  # the same by their codes
 WITH_EDGES = (SpatialKind.CAPSULE, SpatialKind.POLYHEDRON, SpatialKind.MESH)
@@ -90,6 +98,7 @@ EDGED = tuple(kind in WITH_EDGES for kind in CODES)  # by their codes, those tha
 CAPSULE, CYLINDER = CODES[SpatialKind.CAPSULE], CODES[SpatialKind.CYLINDER]
 POLYHEDRON, MESH = CODES[SpatialKind.POLYHEDRON], CODES[SpatialKind.MESH]
 FACE = CODES[SpatialKind.FACE]
+PIN, BORE = CODES[SpatialKind.PIN], CODES[SpatialKind.BORE]
 ON_CYLINDER = (SpatialKind.CAPSULE, SpatialKind.CYLINDER)
 RIMMED = (SpatialKind.CYLINDER, SpatialKind.RIM)  # those that touch with circles
 RIM_POINTS = 8  # of each rim, on which a cylinder or disc stands on a plane; on other bodies there are twice as many
@@ -112,10 +121,11 @@ class Pass(NamedTuple):
 class SpatialSurface:
     """One surface of a body, in its frame. Made by the functions of this module.
 
-    points: material points (vertices of triangles; centre of a sphere or hole; both ends of the axis of a capsule;
+    points: material points (vertices of triangles; centre of a sphere or hole; both ends of the axis of a capsule, pin
+    or bore;
     three points of a plane, a metre apart, seen counter-clockwise from outside; the centres of both rims of a cylinder,
     or of a rim and another point on its axis, and points on them, of cylinders those half-way between, too).
-    radius [m] of spheres, holes, capsules, cylinders and rims. triangles (T, 3): of which points,
+    radius [m] of spheres, holes, capsules, pins, bores, cylinders and rims. triangles (T, 3): of which points,
     counter-clockwise seen from outside; none: the points alone are known. cells of a face: of which points each facet
     is made, (3,), (4,), (6,), (8,) or (9,): its corners, counter-clockwise seen from outside, then those amid its edges
     (behind the first corner's, the one between it and the second), then the middle.
@@ -138,7 +148,8 @@ class SpatialSurface:
     def can_meet(self, other: SpatialSurface) -> bool:
         """Whether such surfaces can come to each other from apart: points cannot, nor solids that fill all around."""
         kinds = {self.kind, other.kind}
-        return kinds != {SpatialKind.NODE} and not kinds.issubset({SpatialKind.HOLE, SpatialKind.PLANE})
+        hollow = {SpatialKind.HOLE, SpatialKind.BORE, SpatialKind.PLANE}
+        return kinds != {SpatialKind.NODE} and not kinds.issubset(hollow)
 
     def partners(self) -> str:
         """What surfaces it can touch, in words."""
@@ -164,7 +175,8 @@ class SpatialSurface:
         if SpatialKind.FACE in (self.kind, other.kind):
             return (_face_pass((self, other), node_side),)
         codes = CODES[self.kind], CODES[other.kind]
-        whole = (self.kind, other.kind) in (ON_CYLINDER, ON_CYLINDER[::-1]) or are_convex(codes)
+        both = {self.kind, other.kind} == {SpatialKind.PIN, SpatialKind.BORE}  # ends of each, whichever is longer
+        whole = (self.kind, other.kind) in (ON_CYLINDER, ON_CYLINDER[::-1]) or are_convex(codes) or both
         if node_side is not None and not whole:  # else edges touch, too, in any case
             return (Pass(node_side, 1 - node_side),)
         return passes_of(codes, self.deforms or other.deforms, (len(self.points), len(other.points)))
@@ -195,6 +207,8 @@ def passes_of(kinds: tuple[int, int], deform: bool, points: tuple[int, int]) -> 
         return (Pass(first, other, CONVEX),)
     if not TOUCHES[kinds[first], kinds[other]]:
         return (Pass(other, first),)
+    if set(kinds) == {PIN, BORE}:
+        return Pass(first, other), Pass(other, first)
     if kinds[first] == CAPSULE and kinds[other] == CYLINDER:
         return Pass(first, other), Pass(first, other, EDGES)
     if MESH in kinds and kinds[first] in (POLYHEDRON, MESH) and kinds[other] in (POLYHEDRON, MESH):
@@ -254,6 +268,12 @@ def _cylinder(center: SpatialPoint, axes: FloatArray, radius: float, length: flo
     rims = [end + offset for circle in (around, between) for end in ends for offset in circle]
     points = (carried(center, offset) for offset in (*ends, *rims))
     return SpatialSurface(SpatialKind.CYLINDER, tuple(points), radius)
+
+
+def tube(kind: SpatialKind, center: SpatialPoint, axis: FloatArray, radius: float, length: float) -> SpatialSurface:
+    """A pin or bore about ``axis`` (3,), not zero, around ``center``: the middles of both ends, carried there."""
+    n, _, _ = _frame(axis)
+    return SpatialSurface(kind, tuple(carried(center, 0.5 * sign * length * n) for sign in (-1.0, 1.0)), radius)
 
 
 def plane(point: SpatialPoint, normal: FloatArray) -> SpatialSurface:

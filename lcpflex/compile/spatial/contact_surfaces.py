@@ -18,6 +18,7 @@ from lcpflex.jit.kernel import FloatArray
 __all__ = ["bounds_of", "boxes_of", "deflections", "features_of", "nodes_of"]
 
 PLANAR, SPHERICAL = (SpatialKind.PLANE,), (SpatialKind.SPHERE, SpatialKind.HOLE)
+TUBES = (SpatialKind.PIN, SpatialKind.BORE)
 MESHES = (SpatialKind.POLYHEDRON, SpatialKind.MESH)
 CARRIERS = tuple(kind for kind in SpatialKind if kind not in (*PLANAR, SpatialKind.HOLE))
 
@@ -27,7 +28,8 @@ def nodes_of(surface: SpatialSurface, indices: Sequence[int]) -> list[tuple[int,
     if surface.kind in RIMMED:
         ends = [(index, surface.radius) for index in indices[:2]] if surface.kind is SpatialKind.CYLINDER else []
         return [*((index, 0.0) for index in indices[2:]), *ends]
-    return [(index, surface.radius) for index in indices] if surface.kind in CARRIERS else []
+    radius = -surface.radius if surface.kind is SpatialKind.BORE else surface.radius
+    return [(index, radius) for index in indices] if surface.kind in CARRIERS else []
 
 
 def features_of(surface: SpatialSurface, indices: Sequence[int], first: int) -> list[Feature]:
@@ -41,6 +43,8 @@ def features_of(surface: SpatialSurface, indices: Sequence[int], first: int) -> 
         a, b = indices
         ends = [Feature(POINT, (p,) * 3, radius, fan=(q,)) for p, q in ((a, b), (b, a))]
         return [Feature(EDGE, (a, b, a), radius), *ends]
+    if kind in TUBES:
+        return [Feature(EDGE, (indices[0], indices[1], indices[0]), -radius if kind is SpatialKind.BORE else radius)]
     if kind is SpatialKind.RIM:
         return [Feature(RIM, (indices[0], indices[1], indices[0]), radius)]
     if kind is SpatialKind.CYLINDER:

@@ -75,7 +75,7 @@ def load_node(model: SpatialModel, table: SpatialContactTable, k: int, law: int,
         table.point[k, 1 + v] = c.feature_point[f, v]
     table.radius[k, 0] = c.node_radius[node]
     table.radius[k, 1] = c.feature_radius[f]
-    table.sense[k] = 1.0 if c.feature_radius[f] >= 0.0 else -1.0
+    table.sense[k] = -1.0 if c.feature_radius[f] < 0.0 or c.node_radius[node] < 0.0 else 1.0
     load_share(model, table, k, node)
 
 

@@ -6,7 +6,7 @@ renewed by :func:`lcpflex.contact.spatial.pairs.refresh`, with the features kept
 
 from __future__ import annotations
 
-from lcpflex.bodies.spatial.surface import CONVEX, CYLINDER, EDGES, FACES, MESHES, RIM_POINTS, TWO_SIDED
+from lcpflex.bodies.spatial.surface import BORE, CONVEX, CYLINDER, EDGES, FACES, MESHES, PIN, RIM_POINTS, TWO_SIDED
 from lcpflex.contact.spatial.bounds import plane_vector, set_over_plane
 from lcpflex.contact.spatial.cylinder_edge_pass import edges_on_cylinder
 from lcpflex.contact.spatial.cylinder_pass import nodes_on_cylinder
@@ -20,11 +20,11 @@ from lcpflex.contact.spatial.manifold.cylinders import cylinders_touch
 from lcpflex.contact.spatial.manifold.hulls import APART, polyhedra_touch
 from lcpflex.contact.spatial.mesh_detection import meshes_touch
 from lcpflex.contact.spatial.narrow_phase.rim import FLAT, lowest_on_rim, rim_axis
-from lcpflex.contact.spatial.narrow_phase.sides import frame_of, place_in, world_place
+from lcpflex.contact.spatial.narrow_phase.sides import frame_of, place_in, seen_from, world_place
 from lcpflex.contact.spatial.node_pass import nodes_on_features
 from lcpflex.contact.spatial.node_shifts import moved_place, shift_nodes
 from lcpflex.contact.spatial.pairs import locate
-from lcpflex.contact.spatial.table import NODE_FACET, NODE_POINT, SpatialContactTable
+from lcpflex.contact.spatial.table import NODE_EDGE, NODE_FACET, NODE_POINT, SpatialContactTable
 from lcpflex.contact.spatial.twice import drop_twice
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.points import point_place
@@ -33,6 +33,7 @@ from lcpflex.model.spatial import SpatialModel
 
 __all__ = ["detect_pass", "nearest_features"]
 
+FLUSH = 1e-9  # of the length of a pin or bore: how far beyond its end others are within it
 STANDING = 1e-2  # up to which fixed points of its rim join the lowest one
 
 
@@ -93,6 +94,34 @@ def nodes_on_sphere(
             if n < len(table.key):
                 load_node(model, table, n, law, NODE_POINT, node, f)
                 table.radius[n, 0] = own
+                locate(model, q, table, n)
+            n += 1
+    return n
+
+
+@kernel
+def nodes_in_bore(
+    model: SpatialModel, q: FloatArray, margin: float, table: SpatialContactTable, a: int, b: int, law: int, n: int
+) -> int:
+    """Contacts of nodes in the bore b, or of the ends of the bore a around the pin b; returns the new count.
+
+    Of a pin and a bore those ends touch that are within the other: flush ones, to rounding, are in any case.
+    """
+    c = model.contacts
+    f = c.feature_start[b]
+    frame, body = frame_of(model.bodies, q, c.surface_body[b]), frame_of(model.bodies, q, c.surface_body[a])
+    start = place_in(model.points, q, frame, c.feature_point[f, 0])
+    e = apart_from(place_in(model.points, q, frame, c.feature_point[f, 1]), start)
+    square, beside = dot(e, e), FLUSH * norm(e) * norm(e)
+    for node in range(c.node_start[a], c.node_start[a + 1]):
+        d = apart_from(seen_from(frame, world_place(body, place_in(model.points, q, body, c.node_point[node]))), start)
+        along = dot(d, e)
+        if along < -beside or along > square + beside:
+            continue
+        y = apart_from(d, scaled(along / square, e))
+        if -norm(y) - c.node_radius[node] - c.feature_radius[f] <= margin:
+            if n < len(table.key):
+                load_node(model, table, n, law, NODE_EDGE, node, f)
                 locate(model, q, table, n)
             n += 1
     return n
@@ -185,6 +214,8 @@ def detect_pass(
             return rims_on_plane(model, q, margin, table, a, b, law, n)
         moved = shift_nodes(model, q, table, a)
         return nodes_over_plane(model, q, margin, table, c.node_start[a], c.node_start[a + 1], law, b, moved, n)
+    if c.surface_kind[b] == PIN or c.surface_kind[b] == BORE:
+        return nodes_in_bore(model, q, margin, table, a, b, law, n)
     if c.feature_kind[first] == POINT:
         return nodes_on_sphere(model, q, margin, table, a, b, law, n)
     if c.feature_kind[first] == RIM:

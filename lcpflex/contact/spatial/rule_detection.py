@@ -6,6 +6,7 @@ import numpy as np
 
 from lcpflex.bodies.spatial.surface import (
     ALL_FEATURES,
+    BORE,
     CAPSULE,
     CONVEX,
     CYLINDER,
@@ -16,6 +17,7 @@ from lcpflex.bodies.spatial.surface import (
     MESH,
     MESHES,
     NO_POINTS,
+    PIN,
     POLYHEDRON,
     TOUCHES,
     TWO_SIDED,
@@ -67,6 +69,9 @@ def detect_between(
     if are_meshes(model, a, b):
         return detect_pass(model, q, margin, table, a, b, law, MESHES, n)
     if not TOUCHES[kind_a, kind_b]:
+        return detect_pass(model, q, margin, table, b, a, law, ALL_FEATURES, n)
+    if (kind_a == PIN and kind_b == BORE) or (kind_a == BORE and kind_b == PIN):
+        n = detect_pass(model, q, margin, table, a, b, law, ALL_FEATURES, n)
         return detect_pass(model, q, margin, table, b, a, law, ALL_FEATURES, n)
     if kind_a == CAPSULE and kind_b == CYLINDER:
         n = detect_pass(model, q, margin, table, a, b, law, ALL_FEATURES, n)

@@ -93,6 +93,8 @@ def _facets_of(model: SpatialModel, s: int, kind: SpatialKind, coarse: bool) -> 
         carried[:, -1] += ball.vertices
         inside = kind is SpatialKind.HOLE  # its wall is seen from within
         return _placed(carried, ball.triangles[:, ::-1] if inside else ball.triangles, ball.edges)
+    if kind in (SpatialKind.PIN, SpatialKind.BORE):
+        return _tube(_carriers(model, first[:2]), radius, kind is SpatialKind.BORE, coarse)
     around_nodes = c.node_point[c.node_start[s] : c.node_start[s + 1]]
     if kind is SpatialKind.RIM:
         ring = _ring(model, int(first[0]), around_nodes, coarse)
@@ -105,6 +107,20 @@ def _facets_of(model: SpatialModel, s: int, kind: SpatialKind, coarse: bool) -> 
     whole = facets_of(CylinderShape(1.0, 1.0), coarse)
     assert whole is not None
     return _placed(np.concatenate([ends[:1], *rings, ends[1:]]), whole.triangles, whole.edges)
+
+
+def _tube(ends: FloatArray, radius: float, inside: bool, coarse: bool) -> Facets:
+    """The wall of a pin, or of a bore, which is seen from within, between the middles of its ends (2, n + 1, 3)."""
+    sides = sides_of(coarse)
+    angle = 2.0 * np.pi * np.arange(sides) / sides
+    along = ends[1, -1] - ends[0, -1]
+    circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(sides)], axis=1)
+    around = radius * circle @ _axes_about(along / float(np.linalg.norm(along)))
+    rings = np.repeat(ends, sides, axis=0)
+    rings[:, -1] += np.tile(around, (2, 1))
+    k, after = np.arange(sides), (np.arange(sides) + 1) % sides
+    wall = np.concatenate([np.column_stack([k, after, sides + after]), np.column_stack([k, sides + after, sides + k])])
+    return _placed(rings, wall[:, ::-1] if inside else wall, np.array([[0, sides]]))
 
 
 def _carriers(model: SpatialModel, points: IntArray) -> FloatArray:

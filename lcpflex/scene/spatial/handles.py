@@ -106,7 +106,8 @@ class SpatialPlaced(PlacedBody):
             held = "the ground" if self.source is None else f"{shown(self.name)} with the shape {self._shape_name()}"
             raise ModelError(
                 f"surface: {held} has none that can be touched, expected a Sphere, Cuboid, Capsule, ConvexHull, "
-                "Polyhedron or mesh; make one with sphere, capsule, cylinder, box, hull, mesh, rim, node, hole or plane"
+                "Polyhedron or mesh; make one with sphere, capsule, cylinder, box, hull, mesh, rim, node, hole, pin, "
+                "bore or plane"
             )
         if len(shape.triangles):
             check_closed(f"surface of {shown(self.name)}", np.array([p.place for p in shape.points]), shape.triangles)
@@ -168,6 +169,26 @@ class SpatialPlaced(PlacedBody):
             raise ModelError("center: a cylinder turns with its centre, expected a point whose rotation is known")
         made = surfaces.cylinder(place, direction, positive("radius", radius), positive("length", length))
         return self._made("cylinder", made, partial(_again, "cylinder", center, (direction, radius, length)))
+
+    def pin(self, center: Place, axis: npt.ArrayLike, radius: float, length: float) -> PlacedSurface:
+        """A pin of ``radius`` and ``length`` > 0 [m] about ``axis`` (3,), its middle at ``center``. It touches bores.
+
+        It is carried rigidly by the material at ``center``. It has no ends: see :meth:`bore`.
+        """
+        return self._tube("pin", SpatialKind.PIN, center, axis, radius, length)
+
+    def bore(self, center: Place, axis: npt.ArrayLike, radius: float, length: float) -> PlacedSurface:
+        """A bore of ``radius`` and ``length`` > 0 [m] about ``axis`` (3,), its middle at ``center``, solid outside.
+
+        It is carried rigidly by the material at ``center``. Pins, spheres and points touch its wall where they are
+        between its ends. A pin touches at both ends of what is common to both, each with
+
+            g = R - r - |y|,
+
+        y from the axis of one to the end of the other, R the radius of the bore and r that of the pin: so it tilts
+        until it touches at both ends, right to the square of the tilt. Neither has ends that hold it along the axis.
+        """
+        return self._tube("bore", SpatialKind.BORE, center, axis, radius, length)
 
     def box(self, center: Place, sizes: npt.ArrayLike, orientation: Any = None) -> PlacedSurface:
         """A solid block with edges of ``sizes`` (3,) > 0 [m] along its axes x, y, z, its middle at ``center``.
@@ -253,6 +274,16 @@ class SpatialPlaced(PlacedBody):
             raise ModelError("point: a plane turns with its point, expected one whose rotation is known")
         made = surfaces.plane(place, direction)
         return self._made("plane", made, partial(_again, "plane", point, (direction,)))
+
+    def _tube(
+        self, method: str, kind: SpatialKind, center: Place, axis: npt.ArrayLike, radius: float, length: float
+    ) -> PlacedSurface:
+        direction = _direction("axis", axis)
+        place = self._located(center, "center")
+        if not place.turns:
+            raise ModelError(f"center: a {method} turns with its centre, expected a point whose rotation is known")
+        made = surfaces.tube(kind, place, direction, positive("radius", radius), positive("length", length))
+        return self._made(method, made, partial(_again, method, center, (direction, radius, length)))
 
     def _round(self, method: str, kind: SpatialKind, center: Place, radius: float) -> PlacedSurface:
         shape = SpatialSurface(kind, (self._located(center, "center"),), positive("radius", radius))

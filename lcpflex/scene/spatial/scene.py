@@ -25,6 +25,7 @@ from lcpflex.scene.orders import is_reducible, refuse_options
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
 from lcpflex.scene.register import Register, Start
 from lcpflex.scene.sensors.sensor import Sensor, check_placed_sensor
+from lcpflex.scene.spatial import clearances
 from lcpflex.scene.spatial.handles import Place, SpatialPlaced
 from lcpflex.scene.spatial.orientation import matrix_of, quaternion_of
 from lcpflex.scene.spatial.relative import SpatialJoint, SpatialLoad
@@ -69,7 +70,6 @@ class SpatialParts(NamedTuple):
 _SLOTS = "slots are planar; in space let a sphere or capsule run between surfaces of ground.box(...) or of bodies"
 _KNOWN_AS = {
     **dict.fromkeys(("slot", "contact_slot"), _SLOTS),
-    "revolute_with_clearance": "it is planar; in space let body.sphere(...) move in body.hole(...)",
 }
 
 
@@ -285,6 +285,8 @@ class SpatialScene(Register):
         self._contacts[name] = declared
         self._between[frozenset((a.label, b.label))] = name
         return name
+
+    revolute_with_clearance = clearances.revolute_with_clearance
 
     def contact_all(
         self,

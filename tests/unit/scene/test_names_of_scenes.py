@@ -11,8 +11,8 @@ from lcpflex.errors import ModelError
 
 VERBS = {"add", "body", "compile", "contact", "contact_all", "join", "load", "sensor"}
 READ = {"compiled", "parts", "gravity", "ground", "spatial"}
-BOTH = {"reduced", "with_bodies"}
-PLANAR = {"contact_slot", "revolute_with_clearance"}
+BOTH = {"reduced", "revolute_with_clearance", "with_bodies"}
+PLANAR = {"contact_slot"}
 
 
 @pytest.mark.parametrize(("kind", "more"), [(lf.Scene, PLANAR), (lf.SpatialScene, set())])

@@ -29,7 +29,6 @@ class TestAttributes:
         [
             (lambda: lf.SpatialScene(), "slot", "slots are planar"),
             (lambda: lf.SpatialScene(), "contact_slot", "slots are planar"),
-            (lambda: lf.SpatialScene(), "revolute_with_clearance", "it is planar"),
             (lambda: lf.SpatialScene(), "jion", "did you mean 'join'"),
             (lambda: lf.Scene(), "slot", "scene.contact_slot"),
             (lambda: lf.Scene(), "contact_al", "did you mean 'contact_all'"),

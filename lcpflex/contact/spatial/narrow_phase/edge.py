@@ -21,15 +21,21 @@ from lcpflex.contact.spatial.narrow_phase.turning import COINCIDENT, Turning, se
 from lcpflex.contact.spatial.table import SpatialContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.rotations import Vector, cross
-from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, scaled, turned
+from lcpflex.kinematics.spatial.vectors import added, apart_from, dot, norm, row_vector, scaled, turned
 from lcpflex.model.spatial import SpatialPoints
 
 __all__ = ["edge_turning", "refresh_edge", "turning_away"]
 
 
+HALF = 0.5  # of a unit vector
+
+
 @kernel
 def refresh_edge(points: SpatialPoints, q: FloatArray, i: Frame, j: Frame, table: SpatialContactTable, k: int) -> None:
-    """Gap, normal, tangent and foot of entry k. On the line itself there is no direction: n, t1 stay."""
+    """Gap, normal, tangent and foot of entry k.
+
+    On the line itself there is no direction: n stays if it is across, else it is one that is.
+    """
     start = place_in(points, q, j, table.point[k, 1])
     e = apart_from(place_in(points, q, j, table.point[k, 2]), start)
     d = apart_from(seen_from(j, world_place(i, place_in(points, q, i, table.point[k, 0]))), start)
@@ -44,6 +50,15 @@ def refresh_edge(points: SpatialPoints, q: FloatArray, i: Frame, j: Frame, table
     table.gap[k] = sense * D - table.radius[k, 0] - table.radius[k, 1]
     if D >= COINCIDENT:
         set_entry(table, k, table.gap[k], turned(j.A, scaled(sense / D, y)), turned(j.A, t))
+    elif sense < 0.0:
+        along = turned(j.A, t)
+        n = row_vector(table.normal, k)
+        n = apart_from(n, scaled(dot(n, along), along))
+        if norm(n) < HALF:  # as good as along the line: that of the axes which is farthest from it
+            a, b, c = abs(along[0]), abs(along[1]), abs(along[2])
+            n = (1.0, 0.0, 0.0) if a <= b and a <= c else ((0.0, 1.0, 0.0) if b <= c else (0.0, 0.0, 1.0))
+            n = apart_from(n, scaled(dot(n, along), along))
+        set_entry(table, k, table.gap[k], scaled(1.0 / norm(n), n), along)
 
 
 @kernel
