@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.contact.rows import contact_rows
-from lcpflex.dynamics import mechanics
+from lcpflex.dynamics.mechanics import fill_contact_rows, fill_joint_rows, forces
 from lcpflex.dynamics.rows import Rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, late_kernel
@@ -22,7 +22,7 @@ def lay_contacts(model: Model, q: FloatArray, n: int, n_joint: int, rows: Rows) 
     """Measure the first n contacts of the table at q and lay their rows; how many tangential rows there are."""
     for k in range(n):
         refresh(model, q, rows.table, k)
-    return mechanics.fill_contact_rows(model, q, n, n_joint, rows)
+    return fill_contact_rows(model, q, n, n_joint, rows)
 
 
 @late_kernel
@@ -78,12 +78,12 @@ def _add_forces(
 ) -> None:
     """out += sign times all forces at q but those of contacts without body b."""
     rows, free = work.rows, work.free
-    mechanics.forces(model, t, q, still, work)
+    forces(model, t, q, still, work)
     for i in range(len(out)):
         out[i] += sign * free.total[i]
     n_joint = len(work.scratch.residual)
     if n_joint > 0:
-        mechanics.fill_joint_rows(model, t, q, still, free.external, rows)
+        fill_joint_rows(model, t, q, still, free.external, rows)
         for r in range(n_joint):
             _add_row(rows, r, rows.body[r, 0], rows.body[r, 1], sign * p[r], out)
     scratch = len(rows.J) - rows.across
