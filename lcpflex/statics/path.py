@@ -45,6 +45,7 @@ MORE, LESS = 4.0, 0.2  # alpha after a step that was refused, and after one that
 WRONG = 0.3  # of the change of the forces: what the linearisation of a step may leave out
 SUNK = 0.05  # of the length of a step: by how much more than before bodies may overlap at its end
 ROUNDING = 1e-12  # of the size
+NOTHING = 1e-9  # of the size: a gap that counts as closed where a place of rest is refined
 TINY = 1e-3  # of the longest step: a shorter one is made whatever it leaves out
 KEPT = 1e-3  # of the largest force on the path so far: where forces come to nothing, it is what is compared with
 STIFF = 0.9  # of the length before: a step that more damping leaves longer is one that overlaps ask for
@@ -182,7 +183,11 @@ class Path:
         target = np.concatenate([np.maximum(np.where(at.gap < 0.0, part, 1.0) * at.gap, -0.5 * self.longest), slid])
         p = np.zeros(len(at.rows))
         if at.n_contacts:
-            forces = self._contacts.forces(at, self._keys(at)[n_joint:], held, W.T @ free + target)
+            keys, still = self._keys(at)[n_joint:], W.T @ free
+            forces = self._contacts.forces(at, keys, held, still + target)
+            if forces is None:  # beside heavy bodies gaps that are rounding may ask for more than light ones weigh
+                target[: at.n_contacts][np.abs(at.gap) <= NOTHING * self.scales.size] = 0.0
+                forces = self._contacts.forces(at, keys, held, still + target)
             if forces is None:
                 return None
             p[n_joint:] = forces
