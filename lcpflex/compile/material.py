@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lcpflex.basics.arguments import absent, numbers
 from lcpflex.errors import ModelError, shown
@@ -47,7 +48,7 @@ def material_of(
         raise ModelError(
             f"point: {shown(point)} is neither a named point nor on the outline of the flexible body "
             f"{shown(body)}, nor within a beam; expected one of these ({handle} before the simulation makes a place "
-            "known)"
+            f"known){_named_mean(compiled, b, place)}"
         )
     return model, b, place, phi
 
@@ -66,10 +67,27 @@ def _shapes_at(compiled: CompiledScene, b: int, place: FloatArray) -> FloatArray
     size = dimension(model.bodies)
     if model.bodies.dof[b + 1] - model.bodies.dof[b] == size.rigid:
         return np.zeros((0, size.components))
-    own = np.flatnonzero(model.points.body == b)
+    own = np.flatnonzero((model.points.body == b) & ~_are_means(compiled))
     found = _of_points(compiled, b, own, place) if own.size else None
     line = compiled.recovery[b] if found is None and compiled.recovery else None
     return _of_line(line, place) if isinstance(line, LineShapes | SpatialLineShapes) else found
+
+
+def _named_mean(compiled: CompiledScene, b: int, place: FloatArray) -> str:
+    """What to add where the middle of a set of nodes is asked for by its place."""
+    points, body = compiled.model.points, compiled.layout.bodies[b]
+    size = float(np.ptp(points.place[points.body == b], axis=0).max()) if (points.body == b).any() else 0.0
+    for (owner, name), p in compiled.layout.points.items():
+        if owner == body and float(np.linalg.norm(points.place[p] - place)) <= 1e-9 * size:
+            return f"; the mean of the nodes of {name!r}, whose middle is there, is asked for by that name"
+    return ""
+
+
+def _are_means(compiled: CompiledScene) -> NDArray[np.bool_]:
+    """(points,) which are the mean of several nodes, such as a face: what is at their middle may move otherwise."""
+    means = np.zeros(len(compiled.model.points.body), bool)
+    means[[p for p, (nodes, _) in compiled.spread.items() if len(nodes) > 1]] = True
+    return means
 
 
 def _of_points(compiled: CompiledScene, b: int, own: IntArray, place: FloatArray) -> FloatArray | None:
