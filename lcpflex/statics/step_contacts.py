@@ -25,6 +25,9 @@ __all__ = ["StepContacts"]
 
 SOLVING = 60.0  # [s] that a contact problem may take
 TOLERANCE = 1e-10  # residual of a solution
+# The same of few contacts of space: relative to how far bodies would move without them, which little damping makes
+# a thousand of their sizes. What slides at its limit, off by 1e-10 of that, bears 1e-6 less than the limit.
+FINE = 1e-13
 ENOUGH = 1e-6  # residual that a contact problem of space may have: forces are found anew where the path ends
 FACTORS = 300  # of Newton's methods that may begin from the step before
 FROM_NEAR = (
@@ -45,6 +48,7 @@ class StepContacts:
     def __init__(self, known: dict[tuple[int, int], float]) -> None:
         self._before = known
         self._solver = Auto(tolerance=TOLERANCE, budget=SOLVING)
+        self._fine_solver = Auto(tolerance=FINE, budget=SOLVING)
 
     def forces(self, at: Configuration, keys: Keys, factor: FloatArray, free: FloatArray) -> FloatArray | None:
         """(n + m,) of contacts and tangents, named ``keys``, whose operator is factor factor^T.
@@ -77,11 +81,12 @@ class StepContacts:
         order, known = rows.ravel(), rows.ravel() >= 0
         factor, free = np.where(known[:, None], factor[order], 0.0), np.where(known, free[order], 0.0)
         cones = SpatialContactProblem(factor @ factor.T, free, at.friction)
-        guess = None
         if cones.size > PIVOTED:
             z = np.where(known, before[order], 0.0)
             guess = Solution(z, np.zeros(len(z)), Status.ITERATION_LIMIT, np.inf, 0, "the step before")
-        found = self._solver.solve(cones, guess)
+            found = self._solver.solve(cones, guess)
+        else:
+            found = self._fine_solver.solve(cones)
         if not (found.solved or found.residual <= ENOUGH):
             return None
         forces = np.zeros(at.n_contacts + len(at.tangent))

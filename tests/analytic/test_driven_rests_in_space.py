@@ -93,6 +93,23 @@ def test_a_block_is_pulled_about_a_floor() -> None:
         assert rest.contact("floor").state == ("slip" if pull > limit else "stick")
 
 
+def test_what_slides_stays_at_its_limit_when_a_drive_stands_or_turns() -> None:
+    """A block behind a spring of 500 N/m from a hand that goes forth and back, beyond its limit: as a play does."""
+    scene = lf.SpatialScene(gravity=DOWN)
+    block = scene.add(lf.Cuboid(0.4, 0.4, 0.2, mass=2.0), "block", position=(0.0, 0.0, 0.1))
+    hand = scene.add(lf.Sphere(0.1, mass=1.0), "hand", position=(1.0, 0.0, 0.1)).point("center")
+    place, axis = scene.ground.at(1.0, 0.0, 0.1), (1.0, 0.0, 0.0)
+    scene.contact(block.surface(), scene.ground.plane((0.0, 0.0, 0.0), UP), friction=0.4, name="floor")
+    scene.join(lf.Prismatic(hand, place, axis=axis, name="rail"))
+    scene.join(lf.DrivenDisplacement(hand, place, 0.0, axis, name="pull"))
+    scene.load(lf.Spring(block.point("center"), hand, stiffness=500.0, length=1.0))
+    values = [0.03, 0.03, 0.03, 0.03, 0.04, 0.03, 0.04, 0.03, 0.04]
+    limit = 0.4 * 2.0 * G
+    back = limit - 500.0 * 0.01
+    exact = [limit, limit, limit, limit, limit, back, limit, back, limit]
+    assert lf.path(scene, "pull", values).force == pytest.approx(exact, abs=EXACT * 2.0 * G)
+
+
 @pytest.mark.parametrize(("share", "buckles"), [(0.05, False), (0.5, False), (1.1, True)])
 def test_a_column_that_buckles_is_unstable(share: float, buckles: bool) -> None:
     """Pressed by a share of pi^2 E I / 4 l^2, which its bending does not feel."""
