@@ -129,19 +129,27 @@ class _OfScenes:
         if drive is not None:
             raise ModelError(f"drive: {shown(drive)} was given with a function of the value, expected None")
         self._function = function
-        self._alike: tuple[tuple[str, ...], tuple[str, ...]] | None = None
+        self._first: tuple[dict[str, tuple[str, ...]], tuple[bool, list[int]]] | None = None  # names and sizes
         self.drive: Drive | None = None
         self.begins: float | None = None
 
     def at(self, value: float) -> CompiledScene:
         """The scene of that value."""
         found = compiled_at_rest(called("scene", self._function, "a function of the value that returns a scene", value))
-        alike = found.layout.contacts, found.layout.joints
-        self._alike = self._alike or alike
-        if alike != self._alike:
+        layout = found.layout
+        alike = {"bodies": layout.bodies, "contacts": layout.contacts, "joints": layout.joints}
+        sizes = found.spatial, found.model.bodies.dof.tolist()
+        first, first_sizes = self._first = self._first or (alike, sizes)
+        for what, names in alike.items():
+            if names != first[what]:
+                raise ModelError(
+                    f"scene: at {value:g} the function returns one of the {what} {listed(names)}, expected those of "
+                    f"the first value, {listed(first[what])}"
+                )
+        if sizes != first_sizes:
             raise ModelError(
-                f"scene: at {value:g} the function returns one of the contacts and joints ({listed(sum(alike, ()))}), "
-                f"expected those of the first value ({listed(sum(self._alike, ()))})"
+                f"scene: at {value:g} the function returns one with {sizes[1][-1]} coordinates, expected bodies with "
+                f"as many modes as at the first value ({first_sizes[1][-1]} coordinates)"
             )
         return found
 

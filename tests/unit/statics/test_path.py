@@ -328,6 +328,19 @@ def other_joints(value: float) -> lf.Scene:
     return arch(driven=value > 1.0)
 
 
+def other_bodies(value: float) -> lf.Scene:
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    for name in ("block", "more")[: int(value)]:
+        scene.add(lf.Disc(0.1, mass=1.0), name, position=(len(name), 0.0))
+    return scene
+
+
+def flat_or_not(value: float) -> lf.Scene | lf.SpatialScene:
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0)) if value > 1.0 else lf.Scene(gravity=(0.0, 0.0))
+    scene.add(lf.Sphere(0.1, mass=1.0) if value > 1.0 else lf.Disc(0.1, mass=1.0), "ball")
+    return scene
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [
@@ -345,7 +358,19 @@ def other_joints(value: float) -> lf.Scene:
         ({"scene": sliding}, "drive: 'pull' was given with a function of the value, expected None"),
         ({"scene": lambda value: value, "drive": None}, "scene: 1.0 was given, expected a Scene"),
         ({"scene": lambda value: 1 / 0, "drive": None}, "scene: the function raised ZeroDivisionError"),
-        ({"scene": other_joints, "drive": None, "values": [1.0, 2.0]}, "scene: at 2 the function returns one of"),
+        (
+            {"scene": other_joints, "drive": None, "values": [1.0, 2.0]},
+            r"scene: at 2 the function returns one of the joints .*, expected those of the first value, ",
+        ),
+        (
+            {"scene": other_bodies, "drive": None, "values": [1.0, 2.0]},
+            r"scene: at 2 the function returns one of the bodies 'block', 'more', expected those of the first value, "
+            r"'block'",
+        ),
+        (
+            {"scene": flat_or_not, "drive": None, "values": [1.0, 2.0]},
+            r"scene: at 2 the function returns one with 6 coordinates, .* as many modes .* \(3 coordinates\)",
+        ),
     ],
 )
 def test_refused(given: dict[str, Any], words: str) -> None:
