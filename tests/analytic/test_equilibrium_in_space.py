@@ -245,7 +245,8 @@ def test_grip(fingers: int) -> None:
 
 
 def test_grip_that_slips() -> None:
-    with pytest.raises(lf.SolverError, match=r"does not come to rest .*'load' moves along \(0, 0, -1\)"):
+    words = r"does not come to rest .*'load' moves along \(0, 0, -1\).*or a larger farthest$"
+    with pytest.raises(lf.SolverError, match=words):
         lf.equilibrium(jaws(0.19, 2), farthest=0.5)
 
 
