@@ -254,14 +254,14 @@ class _Following:
         moved = Moved(self._last.balance, self._last.scales)
         every = np.array([moved.groups(*pair) for pair in pairwise(rests)])
         found: list[Jump] = []
-        for k, groups in suspected(values, every, moved.least):
+        for k, groups, beside in suspected(values, every, moved.least):
             ends = float(values[k]), float(values[k + 1])
             if self._budget.is_spent:
                 return tuple(found), (
                     f"path: its budget is spent, jumps were not looked for from {self._told(ends[0])} on",
                 )
             try:
-                snap = snap_between(ends, (rests[k], rests[k + 1]), groups, moved, self._rest)
+                snap = snap_between(ends, (rests[k], rests[k + 1]), groups, beside, moved, self._rest)
             except KeyboardInterrupt:
                 return tuple(found), (f"path: interrupted, jumps were not looked for from {self._told(ends[0])} on",)
             if snap is not None:

@@ -2,7 +2,8 @@
 
 A rest that goes on moves in proportion to the drive, or, where it comes to an end of its stiffness, by the root of what
 the drive moves. What is left of a motion when the interval of the drive is halved six times is a 64th then, or an
-eighth; of a jump all is left. Intervals are tried in which something moves more than twice as fast as in one beside
+eighth; of a jump all is left. What is left may also be all of a motion that begins there, and goes on behind as fast:
+that is no jump. Intervals are tried in which something moves more than twice as fast as in one beside
 them: bodies, how they turn, and how they bend, each by itself.
 """
 
@@ -76,8 +77,8 @@ class Moved:
         return self._scales.moved(dq), what_moves(names, self._balance.model, self._scales, one.q, dq)
 
 
-def suspected(values: FloatArray, moved: FloatArray, least: float) -> list[tuple[int, Any]]:
-    """Intervals k to try, with the groups (3 nb,) that are suspect there.
+def suspected(values: FloatArray, moved: FloatArray, least: float) -> list[tuple[int, Any, FloatArray]]:
+    """Intervals k to try, with the groups (3 nb,) that are suspect there, and how fast these move beside at most.
 
     moved: (n - 1, 3 nb) of all intervals [m]. least: what is no motion [m].
     """
@@ -90,14 +91,18 @@ def suspected(values: FloatArray, moved: FloatArray, least: float) -> list[tuple
         usual = np.min(beside, axis=0) * gone[k] if beside else np.zeros_like(moved[k])
         groups = (moved[k] > FASTER * usual) & (moved[k] > least)
         if groups.any():
-            found.append((k, groups))
+            fastest = np.max(beside, axis=0) if beside else np.zeros_like(moved[k])
+            found.append((k, groups, fastest[groups]))
     return found
 
 
 def snap_between(
-    values: Sequence[float], rests: tuple[Rest, Rest], groups: Any, moved: Moved, at: Between
+    values: Sequence[float], rests: tuple[Rest, Rest], groups: Any, beside: FloatArray, moved: Moved, at: Between
 ) -> Snap | None:
-    """The jump between two rests with their values, None where there is none; groups: those that are looked at."""
+    """The jump between two rests with their values, None where there is none.
+
+    groups: those that are looked at. beside: how fast they move beside at most, by unit of the values.
+    """
     (low, high), (one, other), first = values, rests, rests[0]
     whole = moved.groups(one, other)[groups]
 
@@ -116,6 +121,8 @@ def snap_between(
             low, one = middle, between
         if share(one, other) < LEFT:
             return None
+    if (moved.groups(one, other)[groups] <= FASTER * beside * abs(high - low)).all():
+        return None  # it begins to go on, as where friction lets go
     if one is not first:
         other = at(high, one)
     return Snap((low, high), (one, other), *moved.told(one, other))

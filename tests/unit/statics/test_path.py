@@ -107,6 +107,18 @@ def test_a_path_that_ends_keeps_its_rests() -> None:
         lf.path(sliding(), "pull", [8.0], progress=False)
 
 
+def test_a_motion_that_begins_just_before_a_value_is_no_jump() -> None:
+    """A block on a spring of 300 N/m slides back from -1.696 N on, 0.054 N before a value."""
+    scene = lf.Scene()
+    block = scene.add(lf.Box(0.4, 0.2, mass=2.0), "block", position=(0.0, 0.1))
+    scene.contact(block.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.4, name="floor")
+    scene.load(lf.Spring(block.point("center"), scene.ground.at(1.0, 0.1), stiffness=300.0, length=1.0))
+    scene.load(lf.Force(block.point("center"), (1.0, 0.0), name="pull"))
+    path = lf.path(scene, "pull", [14.0, 1.75, 0.0, -1.75, -3.5], progress=False)
+    assert path.travel[3] - path.travel[2] == pytest.approx((-1.75 - (14.0 - 2.0 * 0.4 * 2.0 * 9.81)) / 300.0, rel=1e-6)
+    assert path.jumps == ()
+
+
 def test_scenes_of_a_value() -> None:
     """A coefficient of friction that falls below what holds a block."""
     path = lf.path(sliding, None, [0.4, 0.3, 0.2, 0.1], progress=False)
