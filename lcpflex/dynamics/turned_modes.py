@@ -8,11 +8,11 @@ import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.leaf import in_space
-from lcpflex.model.arrays import Bodies, Model, changed, replaced
+from lcpflex.model.arrays import Bodies, Contacts, Model, Points, changed, replaced
 from lcpflex.model.layout import dimension
 from lcpflex.model.planar import N_RIGID
 
-__all__ = ["reach_of", "shifted", "turn_squares", "turned_bodies", "turned_model"]
+__all__ = ["node_shapes", "reach_of", "shifted", "turn_squares", "turned_bodies", "turned_model"]
 
 SQUARE = ("coupling", "cross_damping", "geometric")  # flat n x n matrices
 
@@ -34,12 +34,19 @@ def turned_model(model: Model, stiffness: FloatArray, turn: list[FloatArray | No
         reach = reach_of(model.bodies, shift, points.place[its])
         for s in np.flatnonzero(contacts.surface_body == b):
             deflection[s, : len(T)] = deflection[s, : len(T)] @ np.abs(T) + reach
+    points = replaced(points, phi=phi, psi=psi)
     return replaced(
         model,
         bodies=turned_bodies(model.bodies, stiffness, [None if T is None else T[rigid:] for T in turn]),
-        points=replaced(points, phi=phi, psi=psi),
-        contacts=replaced(contacts, surface_deflection=deflection),
+        points=points,
+        contacts=replaced(contacts, surface_deflection=deflection, **node_shapes(contacts, points)),
     )
+
+
+@in_space("lcpflex.contact.spatial.node_shapes")
+def node_shapes(contacts: Contacts, points: Points) -> dict[str, Any]:
+    """What contacts keep of the shapes of their nodes besides: in the plane nothing."""
+    return {}
 
 
 @in_space("lcpflex.dynamics.spatial.turned_modes")

@@ -207,7 +207,7 @@ class SpatialContacts(NamedTuple):
     sample_point: IntArray = NO_NUMBERS  # material points that make a sample
     sample_weight: FloatArray = NO_VALUES
     sample_normal: FloatArray = frozen([], columns=3)  # (samples, 3) outward, undeformed, body frame
-    # Phi of the nodes of surfaces that have several, each [mode, x y z, node]; see compile.spatial.node_shapes
+    # Phi of the nodes of surfaces that have several, each [mode, x y z, node]; see contact.spatial.node_shapes
     shape_start: IntArray = NO_OFFSETS  # (ns + 1,) offsets into the next
     node_shape: FloatArray = NO_VALUES
 

@@ -17,8 +17,8 @@ from lcpflex.compile.spatial.bodies import compile_spatial_bodies
 from lcpflex.compile.spatial.contacts import compile_spatial_contacts
 from lcpflex.compile.spatial.joints import compile_spatial_joints
 from lcpflex.compile.spatial.loads import compile_spatial_loads
-from lcpflex.compile.spatial.node_shapes import node_shapes
 from lcpflex.compile.spatial.sensors import compiled_spatial_sensor
+from lcpflex.contact.spatial.node_shapes import node_shapes
 from lcpflex.dynamics.spatial.state import SpatialState
 from lcpflex.dynamics.time_functions import Materials
 from lcpflex.errors import ModelError

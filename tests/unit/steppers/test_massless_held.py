@@ -279,3 +279,27 @@ def test_contacts_where_something_holds_the_body_keep_the_energy(by: str) -> Non
         leaves = np.flatnonzero(history.force[:, 0] > 0.0)[-1] + 1
         assert result.velocity("ball", "center")[:, 1].max() == pytest.approx(speed, rel=0.02)
         assert leaves < len(result.times)
+
+
+def hinged_solid() -> lf.SpatialScene:
+    """A coarse rod on a hinge swings with a finer part of its lower side against a sphere."""
+    solid = lf.Solid.box(
+        (0.1, 0.02, 0.01), size=0.02, near={"contact": ((0.03, 0.0, -0.005), 2.5e-3, 6e-3, 2.0)}, density=2700.0,
+        youngs_modulus=6.9e10, poissons_ratio=0.33,
+    )  # fmt: skip
+    rod = solid.reduce(6, contact="contact", rows="normal", interfaces=[lf.Interface("left", contact=False)])
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    body = scene.add(rod, name="rod", angular_velocity=(0.0, 12.5, 0.0), velocity=(0.0, 0.0, -0.625))
+    scene.join(lf.Revolute(body.point("left"), scene.ground.at(-0.05, 0.0, 0.0), axis=(0.0, 1.0, 0.0)))
+    ball = scene.ground.sphere((0.03, 0.0, -0.005 - 2.0 - 1e-7), 2.0)
+    scene.contact(body.face("contact"), ball, points="nodes", name="hit")
+    return scene
+
+
+@pytest.mark.parametrize("dynamic_modes", [None, 3])
+def test_no_node_is_missed_where_static_modes_are_parted(dynamic_modes: int | None) -> None:
+    """Nodes are looked for where the coordinates of the scheme have them: one that is not found sinks in."""
+    scene = hinged_solid()
+    result = lf.simulate(scene, 6e-5, lf.MasslessBoundary(step=2e-7, dynamic_modes=dynamic_modes), record=2e-7)
+    assert result.contact("hit").pairs.max() > 8
+    assert result.penetration.max() < 1e-12
