@@ -99,7 +99,7 @@ def equilibrium(
     -----
     The path costs 2 ndof evaluations of forces a step, and dense matrices of that size: 1 s for a mesh of 800
     coordinates on two supports, 8 s for one of 2000. Many contacts cost more: a heap of 30 discs takes 2 s, one of 100
-    (210 contacts, 180 steps) one to two minutes. ``lcpflex.equilibria`` looks for several places, ``lcpflex.path``
+    (210 contacts, 100 to 250 steps) 6 to 27 s. ``lcpflex.equilibria`` looks for several places, ``lcpflex.path``
     follows one while a drive or load goes slowly. In space forces that balance leaves open take programs with cones: a
     tenth of a second for a stack of boxes. A body on which nothing larger than 1e-13 of the largest force acts rests
     wherever it is.

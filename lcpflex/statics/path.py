@@ -28,10 +28,11 @@ from lcpflex.basics.stopwatch import Budget
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.statics.balance import Balance, Configuration
+from lcpflex.statics.damping import Damping
 from lcpflex.statics.resistance import Factor, Resistance
 from lcpflex.statics.scales import Scales, acting, softest
 from lcpflex.statics.slip import Slip
-from lcpflex.statics.step_contacts import StepContacts
+from lcpflex.statics.step_contacts import StepContacts, is_many
 from lcpflex.statics.tangent import tangent_stiffness
 
 __all__ = ["Multipliers", "Path", "Station"]
@@ -41,7 +42,6 @@ Multipliers: TypeAlias = Mapping[tuple[int, int], float]
 SHORT = 0.2  # of the extent of the smallest body: longest step
 LEAST_DAMPING = 1e-6  # of (largest force) / (mass size): what neutral directions are held by
 SLOWLY = 0.01  # of the first alpha of a path: that of one from a place of rest, from which on all changes slowly
-MORE, LESS = 4.0, 0.2  # alpha after a step that was refused, and after one that was made
 WRONG = 0.3  # of the change of the forces: what the linearisation of a step may leave out
 SUNK = 0.05  # of the length of a step: by how much more than before bodies may overlap at its end
 ROUNDING = 1e-12  # of the size
@@ -49,6 +49,7 @@ NOTHING = 1e-9  # of the size: a gap that counts as closed where a place of rest
 TINY = 1e-3  # of the longest step: a shorter one is made whatever it leaves out
 KEPT = 1e-3  # of the largest force on the path so far: where forces come to nothing, it is what is compared with
 STIFF = 0.9  # of the length before: a step that more damping leaves longer is one that overlaps ask for
+ROUGH, FREELY = 1e-2, 0.1  # residual and step, of the longest: above them damping is what holds many contacts
 UNTOLD = 1e-16  # of the size: displacement of the softest spring or mode whose force is none
 INDEPENDENT = 1e-12  # of the largest eigenvalue: redundant joint rows
 
@@ -84,7 +85,7 @@ class Path:
         self.largest = 0.0  # force on the path so far [N]
         self.station = self._station(q, known or {}, 0.0, np.zeros(len(scales.arm)))
         self.told = known is None  # whether contacts stick and slip as on this path, and not as on the way to its start
-        self._alpha, self._first = 0.0, 1.0 if known is None else SLOWLY
+        self._damping, self._first = Damping(self.longest), 1.0 if known is None else SLOWLY
         self._slip = Slip(balance, known is not None)
         self._contacts = StepContacts(dict(known or {}))
 
@@ -92,22 +93,23 @@ class Path:
         """One step; False where none can be made, or the budget is spent."""
         here = self.station
         M = mass_matrix(self.balance.model, here.at.q)
-        K = tangent_stiffness(self.balance, self.scales, here.at.q, here.p)
-        K = 0.5 * (K + K.T)
+        many = is_many(here.at)
+        K = self._stiffness(here, many)
         resistance = Resistance(M, K, self.scales.arm)
         masses = self.balance.model.bodies.mass
         off = self.soft * self.scales.size * self.scales.off(here.at)  # what joints and drives are about to load
         most = max(here.scale, self.scales.force(here.at.force), off)
         rate = most / (float(masses.max()) * self.scales.size) or 1.0  # without a force any damping will do
         least = LEAST_DAMPING * rate
-        alpha = max(self._alpha, least) if self._alpha > 0.0 else self._first * rate
+        patient = many and here.at.d == 1 and self.balance.push is None  # in space all is tried at once
+        alpha = self._damping.begin(self._first * rate, least, patient)
         slid = self._slip.so_far(here.at)
         part, before = 1.0, math.inf  # of overlaps, as much as is closed in the step
         for _ in range(100):
             look()
             if budget is not None and budget.is_spent:
                 return False
-            found = self._step(here, resistance.factor(alpha), slid, part)
+            found = self._step(here, resistance.factor(alpha), slid, part, not self._damping.is_patient)
             if found is None and self.balance.push is not None:
                 return False  # contacts are in the way of the push, whatever the damping
             length = self.scales.moved(found[0]) if found is not None else math.inf
@@ -115,11 +117,23 @@ class Path:
                 part *= 0.5 * self.longest / length
             before = length
             if found is not None and length <= self.longest and self._good(here, M, K, alpha, *found):
-                self._alpha = max((LESS if length <= 0.5 * self.longest else 1.0) * alpha, least)
+                self._damping.make(alpha, length, least, many)
                 self._go(*found)
                 return True
-            alpha *= min(MORE, max(1.2 * length / self.longest, MORE if length <= self.longest else 1.0))
+            alpha = self._damping.refuse(alpha, length, many)
         return False
+
+    def _stiffness(self, here: Station, many: bool) -> FloatArray:
+        """K of a step, symmetric.
+
+        Of many contacts without what their forces do to it where steps are long: that couples bodies through contacts,
+        without it their problems are sparse. What a step leaves out is judged as of others.
+        """
+        p = here.p
+        if many and here.residual > ROUGH and self.scales.moved(here.step) > FREELY * self.longest:
+            p = np.where(np.arange(len(p)) < here.at.n_joint, p, 0.0)
+        K = tangent_stiffness(self.balance, self.scales, here.at.q, p)
+        return 0.5 * (K + K.T)
 
     def scale(self, at: Configuration, p: FloatArray) -> float:
         """The force that residuals at a place on the path are relative to [N]."""
@@ -167,9 +181,12 @@ class Path:
         return joints + [(1, key) for key in own] + [(2 + j % at.d, own[k]) for j, k in enumerate(at.tangent.tolist())]
 
     def _step(
-        self, here: Station, factor: Factor, slid: FloatArray, part: float
+        self, here: Station, factor: Factor, slid: FloatArray, part: float, thorough: bool
     ) -> tuple[FloatArray, FloatArray] | None:
-        """dq and the multipliers of all rows; None where the contact problem is not solved."""
+        """dq and the multipliers of all rows; None where the contact problem is not solved.
+
+        ``thorough``: whatever it takes.
+        """
         at, arm = here.at, self.scales.arm
         white, load = factor.whitened((at.rows / arm).T), factor.whitened(at.force / arm)
         n_joint = at.n_joint
@@ -184,10 +201,10 @@ class Path:
         p = np.zeros(len(at.rows))
         if at.n_contacts:
             keys, still = self._keys(at)[n_joint:], W.T @ free
-            forces = self._contacts.forces(at, keys, held, still + target)
-            if forces is None:  # beside heavy bodies gaps that are rounding may ask for more than light ones weigh
+            forces = self._contacts.forces(at, keys, held, still + target, thorough)
+            if forces is None and thorough:  # gaps of rounding may ask heavy bodies for more than light ones weigh
                 target[: at.n_contacts][np.abs(at.gap) <= NOTHING * self.scales.size] = 0.0
-                forces = self._contacts.forces(at, keys, held, still + target)
+                forces = self._contacts.forces(at, keys, held, still + target, thorough)
             if forces is None:
                 return None
             p[n_joint:] = forces

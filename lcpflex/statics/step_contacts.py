@@ -21,7 +21,7 @@ from lcpflex.solvers.problem import Solution, Status
 from lcpflex.solvers.user_table import PIVOTED
 from lcpflex.statics.balance import Configuration
 
-__all__ = ["StepContacts"]
+__all__ = ["StepContacts", "is_many"]
 
 SOLVING = 60.0  # [s] that a contact problem may take
 TOLERANCE = 1e-10  # residual of a solution
@@ -42,6 +42,11 @@ FROM_NEAR = (
 Keys = list[tuple[int, int]]
 
 
+def is_many(at: Configuration) -> bool:
+    """Whether contacts have more unknowns than pivoting is fast for: their problems are then what a step costs."""
+    return at.n_contacts + 2 * (len(at.tangent) // at.d) > PIVOTED
+
+
 class StepContacts:
     """Solves them. ``known``: multipliers by keys that outlive a step."""
 
@@ -50,24 +55,26 @@ class StepContacts:
         self._solver = Auto(tolerance=TOLERANCE, budget=SOLVING)
         self._fine_solver = Auto(tolerance=FINE, budget=SOLVING)
 
-    def forces(self, at: Configuration, keys: Keys, factor: FloatArray, free: FloatArray) -> FloatArray | None:
+    def forces(
+        self, at: Configuration, keys: Keys, factor: FloatArray, free: FloatArray, thorough: bool
+    ) -> FloatArray | None:
         """(n + m,) of contacts and tangents, named ``keys``, whose operator is factor factor^T.
 
-        None where they are not found.
+        None where they are not found; of many contacts in the plane, unless ``thorough``, not near those before.
         """
         before = np.array([self._before.get(key, 0.0) for key in keys])
         if at.d == 1 or not len(at.tangent):
-            found = self._in_plane(ContactProblem(factor @ factor.T, free, at.friction), before)
+            found = self._in_plane(ContactProblem(factor @ factor.T, free, at.friction), before, thorough)
         else:
             found = self._in_space(at, factor, free, before)
         if found is not None:
             self._before = dict(zip(keys, found.tolist(), strict=True))
         return found
 
-    def _in_plane(self, problem: ContactProblem, before: FloatArray) -> FloatArray | None:
+    def _in_plane(self, problem: ContactProblem, before: FloatArray, thorough: bool) -> FloatArray | None:
         if problem.size > PIVOTED:
             near = _from_near(problem, before)
-            if near is not None:
+            if near is not None or not thorough:
                 return near
         found = self._solver.solve(problem)
         return np.concatenate(problem.forces(found.z)) if found.solved else None
