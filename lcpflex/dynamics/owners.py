@@ -112,6 +112,7 @@ WRITERS: dict[str, tuple[str, ...]] = {
         "lcpflex.dynamics.spatial.mechanics",
         "lcpflex.dynamics.user_cones",
         "lcpflex.dynamics.user_mechanics",
+        "lcpflex.statics.stiffness_columns",  # rows of contacts of one body, at places beside the one looked at
     ),
     "Rows.table": (
         "lcpflex.contact",
@@ -151,6 +152,7 @@ WRITERS: dict[str, tuple[str, ...]] = {
         "lcpflex.steppers.smooth",
         "lcpflex.steppers.user_hooks",
     ),
+    "FreeMotion.external": ("lcpflex.studies.turning_axes",),
     "FreeMotion.u": ("lcpflex.dynamics.stable_step", "lcpflex.steppers.spatial.massless_momenta"),
     "FreeMotion.v": (
         "lcpflex.dynamics.large_island",

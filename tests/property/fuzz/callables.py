@@ -18,6 +18,7 @@ __all__ = ["INTERNAL", "OUTPUTS", "PLAIN", "SLOW", "faces"]
 OUTPUTS = {
     "Result",
     "Rest",
+    "EquilibriumPath",
     "Solution",
     "StateMechanics",
     "Replay",
@@ -84,7 +85,8 @@ SLOW = {
     "work_precision", "right_size", "stability", "craig_bampton", "free_interface", "residual_compliance",
     "sub_regional", "unreduced", "Continuum.reduce", "SolidOfRevolution.reduce", "Matrices.reduce", "small_vibrations",
     "gallery.meshed_ball", "gallery.meshed_rod", "gallery.meshed_sphere_on_rod", "Result.animate", "cross_check",
-    "replay", "all_solvers", "simulate", "gallery.bar_with_foot", "meshes.half_disc", "meshes.half_section_of_sphere",
+    "replay", "all_solvers", "simulate", "path", "EquilibriumPath.plot", "Rest.draw",
+    "gallery.bar_with_foot", "meshes.half_disc", "meshes.half_section_of_sphere",
 }  # fmt: skip
 
 

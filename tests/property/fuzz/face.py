@@ -22,6 +22,9 @@ __all__ = [
     "case",
     "contact",
     "continuum",
+    "driven_scene",
+    "flexible_rest",
+    "followed",
     "lcp",
     "matrices",
     "mesh",
@@ -95,6 +98,30 @@ def resting_scene() -> lf.Scene:
 def rest() -> lf.Rest:
     """Where it does."""
     return lf.equilibrium(resting_scene())
+
+
+def driven_scene() -> lf.Scene:
+    """A scene with a drive that stands."""
+    scene = small_scene()
+    disc = scene.body("disc").point("center")
+    scene.join(lf.DrivenDisplacement(disc, scene.ground.at(0.0, 0.0), 0.5, (0.0, 1.0), name="lift"))
+    scene.join(lf.Weld(scene.body("box").at(0.0, 0.0), scene.ground.at(1.0, 0.5), name="hinge"))
+    return scene
+
+
+@cache
+def followed() -> lf.EquilibriumPath:
+    """A path of two rests."""
+    return lf.path(driven_scene(), "lift", (0.5, 0.51), progress=False)
+
+
+@cache
+def flexible_rest() -> lf.Rest:
+    """A plate without a load."""
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    plate = lf.Continuum(lf.meshes.bar(1.0, 0.1, 3), density=7800.0, youngs_modulus=2e11, poissons_ratio=0.3)
+    scene.add(plate.reduce(2), name="plate")
+    return lf.equilibrium(scene)
 
 
 @cache

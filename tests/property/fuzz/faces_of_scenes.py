@@ -20,7 +20,10 @@ from tests.property.fuzz.face import (
     beam,
     body,
     continuum,
+    driven_scene,
+    flexible_rest,
     flexible_result,
+    followed,
     jointed_result,
     matrices,
     mesh,
@@ -198,6 +201,12 @@ def scene_faces() -> list[Face]:
             lambda: {"level": "impulse"},
             lambda: small_scene().compile().at(),
         ),
+        Face(
+            "StateMechanics.velocity_rows",
+            lf.StateMechanics.velocity_rows,
+            lambda: {"body": "disc"},
+            lambda: small_scene().compile().at(),
+        ),
         placed("point", name="center"),
         placed("at", x=0.0, y=0.0),
         placed("surface", name="outline"),
@@ -284,6 +293,13 @@ def run_faces() -> list[Face]:
         ("joint", {"name": "hinge"}),
         ("point", {"body": "disc", "point": "center"}),
         ("summary", {}),
+        ("draw", {"frames": False, "scale": 1.0}),
+    ]
+    of_path = [
+        ("contact", {"name": "floor"}),
+        ("joint", {"name": "lift"}),
+        ("point", {"body": "disc", "point": "center"}),
+        ("plot", {}),
     ]
     settled = lf.Scene(gravity=(0.0, 0.0))
     settled.add(lf.Disc(0.1, mass=1.0), name="disc")
@@ -306,16 +322,29 @@ def run_faces() -> list[Face]:
     return [
         Face("simulate", lf.simulate, lambda: {"scene": small_scene(), **run}),
         Face("equilibrium", lf.equilibrium, lambda: {"scene": resting_scene()}),
+        Face(
+            "path",
+            lf.path,
+            lambda: {"scene": driven_scene(), "drive": "lift", "values": (0.5, 0.51), "progress": False},
+        ),
+        *(
+            Face(
+                f"EquilibriumPath.{name}", getattr(lf.EquilibriumPath, name), lambda given=given: dict(given), followed
+            )
+            for name, given in of_path
+        ),
         Face("equilibria", lf.equilibria, lambda: {"scene": resting_scene(), "bodies": (), "reach": 0.1}),
         *(
             Face(f"Rest.{name}", getattr(lf.Rest, name), lambda given=given: dict(given), rest)
             for name, given in of_rest
         ),
+        Face("Rest.stress", lf.Rest.stress, lambda: {"body": "plate"}, flexible_rest),
         Face("admissible_accelerations", lf.admissible_accelerations, lambda: {"scene": settled}),
         Face("resume", lf.resume, _resumed),
         Face("Result.reaction", lf.Result.reaction, lambda: {"joint": "hinge", "axes": "body"}, jointed_result),
         Face("Result.verify", lf.Result.verify, lambda: {"other": False}, result),
         Face("Result.section", lf.Result.section, lambda: {"body": "beam"}, flexible_result),
+        Face("Result.deflection", lf.Result.deflection, lambda: {"body": "beam", "point": "left"}, flexible_result),
         Face("Result.stress", lf.Result.stress, lambda: {"body": "plate"}, flexible_result),
         Face("StressHistory.at", StressHistory.at, lambda: {"t": 0.0}, lambda: flexible_result().stress("plate")),
         Face("StressHistory.of", StressHistory.of, lambda: {"record": 0}, lambda: flexible_result().stress("plate")),

@@ -68,6 +68,30 @@ def _solid() -> lf.Solid:
     return lf.Solid.bar(0.2, 0.02, 0.01, elements=(4, 1, 1), **steel)
 
 
+def _hinge_with_play(
+    pin_radius: Any = 0.02,
+    hole_radius: Any = 0.021,
+    friction: Any = 0.1,
+    restitution: Any = 0.0,
+    tangential_restitution: Any = 0.0,
+    name: str | None = None,
+    axis: Any = (0.0, 1.0, 0.0),
+    length: Any = 0.1,
+    axis_p: Any = None,
+    pin_length: Any = None,
+    axial_play: Any = 1e-3,
+    collar_radius: Any = None,
+    law: Any = None,
+) -> str:
+    scene = lf.SpatialScene()
+    ball = scene.add(lf.Sphere(0.1, mass=1.0), name="ball")
+    return scene.revolute_with_clearance(
+        ball.point("center"), scene.ground.at(0.0, 0.0, 0.0), pin_radius, hole_radius, friction, restitution,
+        tangential_restitution, name, axis=axis, length=length, axis_p=axis_p, pin_length=pin_length,
+        axial_play=axial_play, collar_radius=collar_radius, law=law,
+    )  # fmt: skip
+
+
 def spatial_parts_faces() -> list[Face]:
     axis = (0.0, 0.0, 1.0)
 
@@ -103,6 +127,13 @@ def spatial_parts_faces() -> list[Face]:
         Face("SpatialScene.sensor", _sensor, lambda: {"sensor": None}),
         Face("SpatialScene.contact", _contact, dict),
         Face("SpatialScene.contact_all", lf.SpatialScene.contact_all, dict, lf.SpatialScene),
+        Face(
+            "SpatialScene.with_bodies",
+            lf.SpatialScene.with_bodies,
+            lambda: {"bodies": {"ball": lf.Sphere(0.1, mass=2.0)}},
+            scene,
+        ),
+        Face("SpatialScene.revolute_with_clearance", _hinge_with_play, dict),
         Face("SpatialScene.contact of", _sides, lambda: {"a": None, "b": None}),
         Face("SpatialPlaced.plane", placed().plane, lambda: {"point": (0.0, 0.0, 0.0), "normal": axis}),
         Face("SpatialPlaced.sphere", placed().sphere, lambda: {"center": (0.0, 0.0, 0.0), "radius": 0.1}),
