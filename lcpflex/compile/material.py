@@ -12,12 +12,14 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.kinematics.places import material_shapes
 from lcpflex.model.layout import dimension
-from lcpflex.model.recovery import LineShapes, SpatialLineShapes
+from lcpflex.model.recovery import LineShapes, MeshShapes, SpatialLineShapes
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
 
-__all__ = ["body_index", "material_of"]
+__all__ = ["are_wide_means", "body_index", "material_of"]
+
+WIDE = 0.5  # of the extent of a body: the mean of nodes that are farther apart moves otherwise than their middle
 
 
 def material_of(
@@ -67,7 +69,7 @@ def _shapes_at(compiled: CompiledScene, b: int, place: FloatArray) -> FloatArray
     size = dimension(model.bodies)
     if model.bodies.dof[b + 1] - model.bodies.dof[b] == size.rigid:
         return np.zeros((0, size.components))
-    own = np.flatnonzero((model.points.body == b) & ~_are_means(compiled))
+    own = np.flatnonzero((model.points.body == b) & ~are_wide_means(compiled))
     found = _of_points(compiled, b, own, place) if own.size else None
     line = compiled.recovery[b] if found is None and compiled.recovery else None
     return _of_line(line, place) if isinstance(line, LineShapes | SpatialLineShapes) else found
@@ -83,11 +85,18 @@ def _named_mean(compiled: CompiledScene, b: int, place: FloatArray) -> str:
     return ""
 
 
-def _are_means(compiled: CompiledScene) -> NDArray[np.bool_]:
-    """(points,) which are the mean of several nodes, such as a face: what is at their middle may move otherwise."""
-    means = np.zeros(len(compiled.model.points.body), bool)
-    means[[p for p, (nodes, _) in compiled.spread.items() if len(nodes) > 1]] = True
-    return means
+def are_wide_means(compiled: CompiledScene) -> NDArray[np.bool_]:
+    """(points,) which are the mean of nodes all over their body, such as its surface: none moves as what is there.
+
+    Those of an end or a patch, by less than WIDE of the extent of the body, stand for the material at their middle.
+    """
+    points, wide = compiled.model.points, np.zeros(len(compiled.model.points.body), bool)
+    for p, (nodes, _) in compiled.spread.items():
+        shapes = compiled.recovery[int(points.body[p])]
+        if isinstance(shapes, MeshShapes):
+            extent = np.ptp(shapes.places, axis=0).max()
+            wide[p] = np.ptp(shapes.places[nodes], axis=0).max() > WIDE * extent
+    return wide
 
 
 def _of_points(compiled: CompiledScene, b: int, own: IntArray, place: FloatArray) -> FloatArray | None:

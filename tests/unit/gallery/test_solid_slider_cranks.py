@@ -28,7 +28,7 @@ def test_it_starts_at_the_printed_angle_and_meets_the_stop_where_that_was_put(re
 def test_spring_gives_what_the_printed_one_does(result: lf.Result) -> None:
     """Energy of the start: 5 N m/rad by 0.29 rad, and the weights above the origin of the heights."""
     masses = result.compiled.model.bodies.mass
-    heights = np.array([result.point(body, (0.0, 0.0, 0.0))[0, 1] for body in result.compiled.layout.bodies])
+    heights = result.q[0, result.compiled.model.bodies.place[:-1] + 1]  # of the frames, which are at the mass centres
     weights = 9.8 * float(masses @ heights)
     assert result.energies.potential[0] == pytest.approx(0.5 * 5.0 * 0.29**2 + weights, rel=1e-9)
 
