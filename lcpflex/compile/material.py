@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lcpflex.basics.arguments import absent, numbers
 from lcpflex.errors import ModelError, shown
@@ -17,7 +16,7 @@ from lcpflex.model.recovery import LineShapes, MeshShapes, SpatialLineShapes
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
 
-__all__ = ["are_wide_means", "body_index", "material_of"]
+__all__ = ["body_index", "material_of", "material_points"]
 
 WIDE = 0.5  # of the extent of a body: the mean of nodes that are farther apart moves otherwise than their middle
 
@@ -69,7 +68,7 @@ def _shapes_at(compiled: CompiledScene, b: int, place: FloatArray) -> FloatArray
     size = dimension(model.bodies)
     if model.bodies.dof[b + 1] - model.bodies.dof[b] == size.rigid:
         return np.zeros((0, size.components))
-    own = np.flatnonzero((model.points.body == b) & ~are_wide_means(compiled))
+    own = material_points(compiled, b)
     found = _of_points(compiled, b, own, place) if own.size else None
     line = compiled.recovery[b] if found is None and compiled.recovery else None
     return _of_line(line, place) if isinstance(line, LineShapes | SpatialLineShapes) else found
@@ -85,18 +84,20 @@ def _named_mean(compiled: CompiledScene, b: int, place: FloatArray) -> str:
     return ""
 
 
-def are_wide_means(compiled: CompiledScene) -> NDArray[np.bool_]:
-    """(points,) which are the mean of nodes all over their body, such as its surface: none moves as what is there.
+def material_points(compiled: CompiledScene, b: int) -> IntArray:
+    """Points of body b that move as the material at their place.
 
-    Those of an end or a patch, by less than WIDE of the extent of the body, stand for the material at their middle.
+    Left out are means of nodes all over a mesh, such as its surface. Those of an end or a patch, by less than WIDE of
+    its extent, stand for the material at their middle.
     """
-    points, wide = compiled.model.points, np.zeros(len(compiled.model.points.body), bool)
-    for p, (nodes, _) in compiled.spread.items():
-        shapes = compiled.recovery[int(points.body[p])]
-        if isinstance(shapes, MeshShapes):
-            extent = np.ptp(shapes.places, axis=0).max()
-            wide[p] = np.ptp(shapes.places[nodes], axis=0).max() > WIDE * extent
-    return wide
+    own = compiled.model.points.body == b
+    shapes = compiled.recovery[b] if compiled.recovery else None
+    if isinstance(shapes, MeshShapes):
+        extent = WIDE * np.ptp(shapes.places, axis=0).max()
+        for p in filter(own.item, compiled.spread):
+            nodes, _ = compiled.spread[p]
+            own[p] = np.ptp(shapes.places[nodes], axis=0).max() <= extent
+    return np.flatnonzero(own)
 
 
 def _of_points(compiled: CompiledScene, b: int, own: IntArray, place: FloatArray) -> FloatArray | None:

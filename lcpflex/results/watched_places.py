@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.compile.material import are_wide_means
+from lcpflex.compile.material import material_points
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.layout import SPACE, dimension
@@ -38,8 +38,7 @@ def two_places(
 
 def known_places(compiled: CompiledScene, b: int, other: CompiledScene | None = None) -> FloatArray:
     """(k, 2), in space (k, 3): undeformed places of the material points of a body, also known of it in ``other``."""
-    points = compiled.model.points
-    own: FloatArray = points.place[(points.body == b) & ~are_wide_means(compiled)]
+    own: FloatArray = compiled.model.points.place[material_points(compiled, b)]
     if other is None or not len(own):
         return own
     theirs = known_places(other, b)

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.basics.arguments import text
+from lcpflex.basics.arguments import positive, text
 from lcpflex.bodies.placed_point import check_pair
 from lcpflex.bodies.surface import Kind
-from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.errors import ModelError, shown
 from lcpflex.model.planar import N_RIGID
 from lcpflex.scene.placed_surface import PlacedSurface
 from lcpflex.scene.slots import Slot, SlotParts
@@ -23,9 +23,10 @@ if TYPE_CHECKING:
     from lcpflex.bodies.placed_point import PlacedPoint
     from lcpflex.force_laws.law import Law
     from lcpflex.jit.kernel import FloatArray
+    from lcpflex.scene.register import Register
     from lcpflex.scene.scene import Scene
 
-__all__ = ["contact_slot", "revolute_with_clearance"]
+__all__ = ["contact_slot", "pin_and_hole", "revolute_with_clearance"]
 
 ROUNDING = 1e-12  # relative
 
@@ -107,14 +108,7 @@ def revolute_with_clearance(
     ModelError
         For pin_radius >= hole_radius, and for a start with the centre of the pin farther from P than the play.
     """
-    check_pair("revolute_with_clearance", P, Q)
-    if P.scene is not scene or P.body == Q.body:
-        raise ModelError(
-            f"revolute_with_clearance: {P.label} and {Q.label} were given, expected points of two bodies of this scene"
-        )
-    size = in_range("hole_radius", hole_radius, 0.0, math.inf, open_ends=True)
-    pin = in_range("pin_radius", pin_radius, 0.0, math.inf, open_ends=True)
-    _check_fit("pin_radius", pin, size, "the radius of the hole")
+    pin, size = pin_and_hole(scene, P, Q, pin_radius, hole_radius)
     apart = float(np.hypot(*(_world(scene, Q.body, Q.material) - _world(scene, P.body, P.material))))
     if apart > (size - pin) * (1.0 + ROUNDING) + ROUNDING * size:
         raise ModelError(
@@ -130,6 +124,20 @@ def revolute_with_clearance(
         name,
         law=law,
     )
+
+
+def pin_and_hole(
+    scene: Register, P: PlacedPoint, Q: PlacedPoint, pin_radius: float, hole_radius: float
+) -> tuple[float, float]:
+    """Radii of a pin about Q and of the hole about P [m]. Raises ModelError for no pair, and for a thick pin."""
+    check_pair("revolute_with_clearance", P, Q)
+    if P.scene is not scene or P.body == Q.body:
+        raise ModelError(
+            f"revolute_with_clearance: {P.label} and {Q.label} were given, expected points of two bodies of this scene"
+        )
+    size, pin = positive("hole_radius", hole_radius), positive("pin_radius", pin_radius)
+    _check_fit("pin_radius", pin, size, "the radius of the hole")
+    return pin, size
 
 
 def _check_fit(argument: str, pin: float, room: float, what: str) -> None:

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.basics.arguments import array_of, positive
-from lcpflex.bodies.placed_point import check_pair
+from lcpflex.basics.arguments import positive
 from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.scene.clearances import pin_and_hole
+from lcpflex.scene.spatial.axes import way_of
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -83,21 +84,12 @@ def revolute_with_clearance(
         For points that are no pair, a pin that does not fit, numbers that cannot be; collars without ``axial_play``,
         or on flexible bodies; and where what penetrates is refused, for a pin that is not in its bore at the start.
     """
-    check_pair("revolute_with_clearance", P, Q)
-    if P.scene is not scene or P.body == Q.body:
-        raise ModelError(
-            f"revolute_with_clearance: {P.label} and {Q.label} were given, expected points of two bodies of this scene"
-        )
-    size, pin = positive("hole_radius", hole_radius), positive("pin_radius", pin_radius)
-    if pin >= size:
-        raise ModelError(
-            f"pin_radius: a radius of {pin:g} m was given, expected less than {size:g} m, the radius of the hole"
-        )
+    pin, size = pin_and_hole(scene, P, Q, pin_radius, hole_radius)
     long = positive("length", length)
     other = long if pin_length is None else positive("pin_length", pin_length)
     collar = _collar(axial_play, collar_radius, size)
-    along = _unit("axis", axis)
-    along_p = _carried_over(scene, Q.body, P.body, along) if axis_p is None else _unit("axis_p", axis_p)
+    along = np.array(way_of("axis", axis))
+    along_p = _carried_over(scene, Q.body, P.body, along) if axis_p is None else np.array(way_of("axis_p", axis_p))
     of_bore, of_pin = scene._holder(P.body), scene._holder(Q.body)
     numbers = friction, restitution, tangential_restitution
     bore = of_bore.bore(P, along_p, size, long)
@@ -122,14 +114,6 @@ def _collar(play: float | None, radius: float | None, hole: float) -> tuple[floa
     if own <= hole:
         raise ModelError(f"collar_radius: {own:g} m was given, expected more than {hole:g} m, the radius of the hole")
     return found, own
-
-
-def _unit(argument: str, given: npt.ArrayLike) -> FloatArray:
-    direction = array_of(argument, given, (3,))
-    length = float(np.linalg.norm(direction))
-    if not 0.0 < length < math.inf:
-        raise ModelError(f"{argument}: {shown(given)} was given, expected a direction (x, y, z), not all 0")
-    return np.asarray(direction / length)
 
 
 def _carried_over(scene: SpatialScene, body: int, other: int, direction: FloatArray) -> FloatArray:

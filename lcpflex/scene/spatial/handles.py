@@ -164,9 +164,7 @@ class SpatialPlaced(PlacedBody):
         cylinders touch its side, its flat ends and their rims, planes its rims.
         """
         direction = _direction("axis", axis)
-        place = self._located(center, "center")
-        if not place.turns:
-            raise ModelError("center: a cylinder turns with its centre, expected a point whose rotation is known")
+        place = self._turning(center, "cylinder")
         made = surfaces.cylinder(place, direction, positive("radius", radius), positive("length", length))
         return self._made("cylinder", made, partial(_again, "cylinder", center, (direction, radius, length)))
 
@@ -252,9 +250,7 @@ class SpatialPlaced(PlacedBody):
         points that are fixed on it.
         """
         direction = _direction("axis", axis)
-        place = self._located(center, "center")
-        if not place.turns:
-            raise ModelError("center: a rim turns with its centre, expected a point whose rotation is known")
+        place = self._turning(center, "rim")
         made = surfaces.rim(place, direction, positive("radius", radius))
         return self._made("rim", made, partial(_again, "rim", center, (direction, radius)))
 
@@ -279,11 +275,16 @@ class SpatialPlaced(PlacedBody):
         self, method: str, kind: SpatialKind, center: Place, axis: npt.ArrayLike, radius: float, length: float
     ) -> PlacedSurface:
         direction = _direction("axis", axis)
-        place = self._located(center, "center")
-        if not place.turns:
-            raise ModelError(f"center: a {method} turns with its centre, expected a point whose rotation is known")
+        place = self._turning(center, method)
         made = surfaces.tube(kind, place, direction, positive("radius", radius), positive("length", length))
         return self._made(method, made, partial(_again, method, center, (direction, radius, length)))
+
+    def _turning(self, center: Place, kind: str) -> SpatialPoint:
+        """The material point at the centre of what turns with it."""
+        place = self._located(center, "center")
+        if not place.turns:
+            raise ModelError(f"center: a {kind} turns with its centre, expected a point whose rotation is known")
+        return place
 
     def _round(self, method: str, kind: SpatialKind, center: Place, radius: float) -> PlacedSurface:
         shape = SpatialSurface(kind, (self._located(center, "center"),), positive("radius", radius))
